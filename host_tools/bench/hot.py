@@ -25,13 +25,13 @@ _FLASH_END = 0x11000000
 _SECTION = re.compile(r"^ (\.(?:text|rodata)\.\S+)\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) \S", re.MULTILINE)
 
 
-def sections(text):
+def sections_of(text):
     """[(address, bytes, name)] of a linker's map, those in flash whose names tell them apart."""
     found = [(int(address, 16), int(size, 16), name) for name, address, size in _SECTION.findall(text)]
     return sorted((address, size, name) for address, size, name in found if _FLASH <= address < _FLASH_END and size)
 
 
-def hottest(counts, found):
+def hottest_names(counts, found):
     """Names of sections by their accesses a byte, as many as make SHARE of all. `counts`: accesses of each line of the flash."""
     starts = [address for address, _, _ in found]
     each, sizes = Counter(), Counter()
@@ -61,17 +61,17 @@ def count_shares(machine, work):
 def ask_while_moving(machine):
     """`?` again and again while lines are stepped."""
     asking = Asking(machine, machine.board["links"][0]["name"])
-    asking.stream([b"$X\n", b"G21G91F3000\n", *[b"G1X0.5Y0.4\n", b"G1X-0.5Y-0.4\n"] * 400])
+    asking.stream_lines([b"$X\n", b"G21G91F3000\n", *[b"G1X0.5Y0.4\n", b"G1X-0.5Y-0.4\n"] * 400])
     for _ in range(40):
         machine.run_ms(3)
-        asking.status()
+        asking.ask_status()
 
 
 def move_and_hold(machine):
     """The work of first steps, and of holds while lines are stepped."""
     gcode.talk_to(machine)
-    gcode.first_steps(machine, 4)
-    gcode.holds(machine, 2)
+    gcode.time_first_steps(machine, 4)
+    gcode.time_holds(machine, 2)
 
 
 def main():
@@ -82,13 +82,13 @@ def main():
         count_shares(boot_for_lines(router[0], uf2, router[1]), lambda machine: gcode.lines_over(machine, "pc", 0.2, 490, LINES)),
         count_shares(boot_for_lines(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over(machine, "pc", 0.1, 200, LINES)),
         count_shares(boot_for_lines(router[0], uf2, router[1]), move_and_hold),
-        count_shares(_boot(uf2), ask_while_moving),
+        count_shares(_boot_machine(uf2), ask_while_moving),
     ]
     text = Path("build", "uf2-rp2040", "made", "firmware.elf.map").read_text()
-    print("\n".join(hottest([sum(each) for each in zip(*shares)], sections(text))))
+    print("\n".join(hottest_names([sum(each) for each in zip(*shares)], sections_of(text))))
 
 
-def _boot(uf2):
+def _boot_machine(uf2):
     machine = frozen_machine(boards.load("router_3axis"), uf2, trace=None).boot()
     machine.run_ms(2500)
     return machine

@@ -35,29 +35,29 @@ MICROPYTHON = interpreter.micropython()
 _TIMEOUT_S = 600
 
 
-def _environment():
+def _script_environment():
     """The environment of a script under MicroPython, which imports the firmware and the tests."""
     return interpreter.environment(unix_tree(), *_FOLDERS)
 
 
-def _command(program, script, *arguments):
+def _script_command(program, script, *arguments):
     """A script of tests_host/properties and its arguments, under CPython or MicroPython."""
     heap = ["-X", "heapsize=64m"] if program is MICROPYTHON else []
     return [*program, *heap, TESTS / "properties" / script, *map(str, arguments)]
 
 
-def _interpreters():
+def _available_interpreters():
     return {"CPython": CPYTHON, **({"MicroPython": MICROPYTHON} if MICROPYTHON else {})}
 
 
-def lines():
+def measure_lines():
     """Integer lines against floating-point lines, on the objects of 2014, under two interpreters."""
     from host_tools.drawings.objects import objects
 
     corners = "".join(
         f"{name} {' '.join(f'{x} {y}' for _, x, y in points)}\n" for name, points in objects().items()
     )
-    results = {name: _run_lines(program, corners) for name, program in _interpreters().items()}
+    results = {name: _run_lines(program, corners) for name, program in _available_interpreters().items()}
     header = ["object", "points", "steps"]
     for name in results:
         header += [f"{name} float µs", "integer µs", "better", "as driven µs"]
@@ -67,30 +67,30 @@ def lines():
         row = [name, points, steps]
         for result in results.values():
             driven_us, integer_us, float_us = result[name][2:]
-            row += [float_us, integer_us, _better(float_us, integer_us), driven_us]
+            row += [float_us, integer_us, _gain_text(float_us, integer_us), driven_us]
         rows.append(row)
     means = ["mean", "", ""]
     for result in results.values():
         driven_us, integer_us, float_us = (round(fmean(row[index] for row in result.values())) for index in (2, 3, 4))
-        means += [float_us, integer_us, _better(float_us, integer_us), driven_us]
+        means += [float_us, integer_us, _gain_text(float_us, integer_us), driven_us]
     return header, [*rows, means]
 
 
-def _better(float_us, integer_us):
+def _gain_text(float_us, integer_us):
     return f"{100 * (float_us / integer_us - 1):.1f} %"
 
 
 def _run_lines(program, corners):
     """{object: [points, steps, as driven µs, integer µs, float µs]} as tests_host/properties/bench_lines.py measures them."""
     script = TESTS / "properties" / "bench_lines.py"
-    done = subprocess.run(_command(program, script.name), input=corners, env=_environment(), capture_output=True, text=True,
+    done = subprocess.run(_script_command(program, script.name), input=corners, env=_script_environment(), capture_output=True, text=True,
                           timeout=_TIMEOUT_S)
     if done.returncode:
         raise Failure(f"{script.name} under {program[0]}: {done.stderr.strip().splitlines()[-1]}")
     return {name: [int(number) for number in numbers] for name, *numbers in map(str.split, done.stdout.splitlines())}
 
 
-def fuzz():
+def measure_fuzz():
     """A million lines and byte streams on the grbl link; PASSO_FUZZ_LINES is another number."""
     count = int(os.environ.get("PASSO_FUZZ_LINES", 1_000_000))
     shares = [("CPython", CPYTHON, count * 2 // 5, seed) for seed in (1, 2)]
@@ -105,35 +105,35 @@ def fuzz():
 
 def _run_fuzz(program, count, seed):
     """[lines, refused, resets] of tests_host/properties/fuzz_grbl.py."""
-    command = _command(program, "fuzz_grbl.py", count, seed)
-    done = subprocess.run(command, env=_environment(), capture_output=True, text=True)
+    command = _script_command(program, "fuzz_grbl.py", count, seed)
+    done = subprocess.run(command, env=_script_environment(), capture_output=True, text=True)
     if done.returncode:
         raise Failure(f"fuzz, seed {seed}: {(done.stderr or done.stdout).strip().splitlines()[-1]}")
     return [int(number) for number in done.stdout.split()]
 
 
-def motion():
+def measure_motion():
     """The limits over random programmes, half of them under each interpreter; PASSO_SOAK_PROGRAMMES is how many."""
     count = int(os.environ.get("PASSO_SOAK_PROGRAMMES", 10_000))
     rows = []
-    programs = list(_interpreters().items())
+    programs = list(_available_interpreters().items())
     for index, (name, program) in enumerate(programs):
         bounds = range(count * index // len(programs), count * (index + 1) // len(programs), 250)
         chunks = [(program, "soak_motion.py", first, min(first + 250, bounds.stop)) for first in bounds]
-        rows.append([name, *_soak(chunks, 3)])
+        rows.append([name, *_run_soaks(chunks, 3)])
     return ["interpreter", "programmes", "blocks", "segments", "change of speed", "steps over", "time", "failed"], rows
 
 
-def arcs():
+def measure_arcs():
     """Every radius to 2000, and random ones to 2²⁰, under two interpreters."""
     rows = []
-    for name, program in _interpreters().items():
+    for name, program in _available_interpreters().items():
         chunks = [(program, "soak_circle.py", first, first + 99) for first in range(1, 2001, 100)]
-        rows.append([name, *_soak(chunks, 2)])
+        rows.append([name, *_run_soaks(chunks, 2)])
     return ["interpreter", "arcs", "words", "off the circle", "third axis", "CORDIC", "failed"], rows
 
 
-def _soak(chunks, sums):
+def _run_soaks(chunks, sums):
     """Run each (program, script, first, last) and combine their last lines: add up the first `sums` figures and the last one,
     take the worst of the others."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -147,7 +147,7 @@ def _soak(chunks, sums):
 
 
 def _run_soak(chunk):
-    done = subprocess.run(_command(*chunk), env=_environment(), capture_output=True, text=True)
+    done = subprocess.run(_script_command(*chunk), env=_script_environment(), capture_output=True, text=True)
     if done.stderr or not done.stdout:
         raise Failure(f"{chunk[1]} under {chunk[0]}: {(done.stderr or 'no answer').strip().splitlines()[-1]}")
     *failures, totals = done.stdout.splitlines()
@@ -159,20 +159,20 @@ def _run_soak(chunk):
 def _on_the_pico(part):
     """Measure the part without and with the flash cache, in two processes at the same time."""
 
-    def measure():
+    def measure_part():
         binary.load_emulator()
         os.environ.setdefault("PASSO_UF2", str(binary.find_uf2()))
         miss = int(os.environ.get("PASSO_FLASH_MISS") or FLASH_MISS)
         if part in ONLY_CHARGED:
-            return _apart(part, miss)
+            return _run_apart(part, miss)
         with ThreadPoolExecutor(2) as pool:
-            found = list(pool.map(lambda cycles: _apart(part, cycles), (0, miss)))
-        return beside(*found)
+            found = list(pool.map(lambda cycles: _run_apart(part, cycles), (0, miss)))
+        return join_tables(*found)
 
-    return measure
+    return measure_part
 
 
-def _apart(part, miss):
+def _run_apart(part, miss):
     """(header, rows) of a part of the Pico if a miss of the flash cache costs `miss` cycles."""
     command = [*interpreter.python(), "-m", "host_tools.bench", "--raw", part]
     done = subprocess.run(command, env=dict(os.environ, PASSO_FLASH_MISS=str(miss)), stdout=subprocess.PIPE, text=True)
@@ -183,14 +183,14 @@ def _apart(part, miss):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def _raw(part):
+def _print_raw(part):
     from host_tools.bench import frozen, moving, pico, streams, where
 
     header, rows = (pico.PARTS | moving.PARTS | where.PARTS | frozen.PARTS | streams.PARTS)[part]()
     print(json.dumps((header, [[str(cell) for cell in row] for row in rows])))
 
 
-def beside(free, charged):
+def join_tables(free, charged):
     """Join two tables: few different columns stand side by side; if there are many, the rows follow each other."""
     (header, rows), (_, others) = free, charged
     header = list(header)
@@ -200,10 +200,10 @@ def beside(free, charged):
         return header, rows
     if len(differ) <= COLUMNS_BESIDE:
 
-        def both(row, other):
+        def join_rows(row, other):
             return [cell for index, pair in enumerate(zip(row, other)) for cell in pair[: 1 + (index in differ)]]
 
-        return both(header, [f"{name}, flash cache" for name in header]), [both(*pair) for pair in zip(rows, others)]
+        return join_rows(header, [f"{name}, flash cache" for name in header]), [join_rows(*pair) for pair in zip(rows, others)]
     first = differ[0]
     table = []
     for pair in zip(rows, others):
@@ -212,10 +212,10 @@ def beside(free, charged):
     return [*header[:first], "flash cache", *header[first:]], table
 
 
-def ways():
+def measure_ways():
     from host_tools.bench import ways
 
-    return ways.ways()
+    return ways.ways_table()
 
 
 UNAVAILABLE = 3  # exit status
@@ -223,18 +223,21 @@ FLASH_MISS = 50  # cycles, where PASSO_FLASH_MISS does not say it
 COLUMNS_BESIDE = 3
 ONLY_CHARGED = ("where", "frozen", "streams")  # these tell the waits for flash apart
 PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "streams", "where", "boot", "frozen")
-PARTS = {"ways": ways, "lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
+PARTS = {
+    "ways": measure_ways, "lines": measure_lines, "fuzz": measure_fuzz, "motion": measure_motion, "arcs": measure_arcs,
+    **{part: _on_the_pico(part) for part in PICO_PARTS},
+}  # fmt: skip
 LONG = ("motion", "arcs")
 
 
-def markdown(header, rows):
+def markdown_table(header, rows):
     """A table for the document: text to the left, figures to the right."""
     text = [f"| {' | '.join(str(cell) for cell in row)} |" for row in [header, ["---", *["---:"] * (len(header) - 1)],
                                                                         *rows]]
     return "\n".join(text)
 
 
-def replace(document, part, table):
+def replace_part(document, part, table):
     """`document` with the part between `<!-- bench:PART -->` and `<!-- /bench:PART -->` replaced."""
     pattern = re.compile(rf"(<!-- bench:{part} -->\n).*?(<!-- /bench:{part} -->)", re.DOTALL)
     if not pattern.search(document):
@@ -242,13 +245,13 @@ def replace(document, part, table):
     return pattern.sub(lambda found: f"{found[1]}{table}\n{found[2]}", document)
 
 
-def date(document, part, measured):
+def date_part(document, part, measured):
     """`document` with the line below this part that says when it was measured."""
     pattern = re.compile(rf"(<!-- /bench:{part} -->\n)(?:\nMeasured [^\n]*\n)?")
     return pattern.sub(lambda found: f"{found[1]}\nMeasured {measured}.\n", document)
 
 
-def now():
+def now_text():
     """The day and the commit that is measured, if this is a clone of the repository."""
     day = time.strftime("on %Y-%m-%d")
     try:
@@ -258,7 +261,7 @@ def now():
     return day if done.returncode else f"{day} at {done.stdout.strip()}"
 
 
-def show(title, header, rows):
+def print_table(title, header, rows):
     from rich.console import Console
     from rich.table import Column, Table
 
@@ -276,7 +279,7 @@ def main(wanted):
         os.environ["PASSO_ELF"] = "".join(wanted[at + 1 : at + 2])
         del wanted[at : at + 2]
     if wanted[:1] == ["--raw"]:
-        return _raw(wanted[1])
+        return _print_raw(wanted[1])
     if "pico" in wanted:
         wanted[wanted.index("pico") : wanted.index("pico") + 1] = PICO_PARTS
     unknown = set(wanted) - set(PARTS)
@@ -284,7 +287,7 @@ def main(wanted):
         raise Failure(f"no bench {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
     failed = []
     for part in wanted or [part for part in PARTS if part not in LONG]:
-        begun, measured = time.monotonic(), now()
+        begun, measured = time.monotonic(), now_text()
         try:
             header, rows = PARTS[part]()
         except Unavailable as reason:
@@ -294,9 +297,9 @@ def main(wanted):
             print(f"FAILED: {part}: {reason}", file=sys.stderr)
             failed.append(part)
             continue
-        show(f"{part} ({time.monotonic() - begun:.0f} s)", header, rows)
-        document = replace(DOCUMENT.read_text(encoding="utf-8"), part, markdown(header, rows))
-        DOCUMENT.write_text(summarise(date(document, part, measured)), encoding="utf-8")
+        print_table(f"{part} ({time.monotonic() - begun:.0f} s)", header, rows)
+        document = replace_part(DOCUMENT.read_text(encoding="utf-8"), part, markdown_table(header, rows))
+        DOCUMENT.write_text(summarise(date_part(document, part, measured)), encoding="utf-8")
     print(f"written to {DOCUMENT.relative_to(ROOT)}")
     if failed:
         raise Failure(f"failed: {', '.join(failed)}")

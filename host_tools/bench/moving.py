@@ -6,11 +6,11 @@ from random import Random
 from statistics import median
 
 from host_tools import boards
-from host_tools.bench.pico import BAUD, COLLECT, rig
+from host_tools.bench.pico import BAUD, COLLECT, boot_rig
 from host_tools.emulator import halting, traffic
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.machine import EmulatedMachine
-from host_tools.emulator.queries import Asking, positions
+from host_tools.emulator.queries import Asking, ask_positions
 
 STOPS, STOP_STEPS, STOP_HZ = 100, (4000, 3110, -2500), 100_000
 IN_HAND, IN_HAND_STEPS, IN_HAND_HZ = 10, (16000, 12440, -10000), 400_000
@@ -22,34 +22,34 @@ ANSWERS = 100
 SHORT_UM = 866  # on each of three axes: 1.5 mm
 
 
-def _p99(values):
+def _percentile_99(values):
     return sorted(values)[-(-len(values) * 99 // 100) - 1]
 
 
 # --- halts
 
 
-def stops():
+def measure_stops():
     """Halting inputs at random moments, and lines taken up again."""
-    rig()
+    boot_rig()
     rows = [
-        ("first pin", *_row(on_a_copy(lambda: _stops(halting.PLAYER_PIN)))),
-        ("other pins", *_row(on_a_copy(lambda: _stops(halting.INTERRUPT_PIN)))),
-        ("other pins, a word pulled but not yet out", *_row(on_a_copy(_in_hand))),
+        ("first pin", *_stops_row(on_a_copy(lambda: _measure_stops(halting.PLAYER_PIN)))),
+        ("other pins", *_stops_row(on_a_copy(lambda: _measure_stops(halting.INTERRUPT_PIN)))),
+        ("other pins, a word pulled but not yet out", *_stops_row(on_a_copy(_in_hand))),
     ]
     resumed = _resume_after_halts()
     rows.append(("taken up again", len(resumed), "", "", "", sum(resumed)))
     return ("halt by", "trials", "word in hand", "last step after, µs: median", "worst", "exact"), rows
 
 
-def _stops(pin):
+def _measure_stops(pin):
     random = Random(pin)
-    rig().wire().feed(traffic.points(60), BAUD)
-    halting.set_out(rig(), STOP_STEPS, STOP_HZ, 2000, COLLECT)
-    return halting.trials(rig(), pin, [random.uniform(0, 35_000) for _ in range(STOPS)])
+    boot_rig().wire().feed(traffic.points(60), BAUD)
+    halting.set_out(boot_rig(), STOP_STEPS, STOP_HZ, 2000, COLLECT)
+    return halting.try_halts(boot_rig(), pin, [random.uniform(0, 35_000) for _ in range(STOPS)])
 
 
-def _row(found):
+def _stops_row(found):
     reactions = [reaction_us for reaction_us, *_ in found]
     exact = sum(reported == counted and any(counted) for _, reported, counted, _ in found)
     held = sum(in_hand for *_, in_hand in found)
@@ -58,54 +58,54 @@ def _row(found):
 
 def _in_hand():
     """Halt in that moment. It lasts one cycle: search for it, each time from another position on the line."""
-    halting.set_out(rig(), IN_HAND_STEPS, IN_HAND_HZ, 2000)
+    halting.set_out(boot_rig(), IN_HAND_STEPS, IN_HAND_HZ, 2000)
     found = []
     for _ in range(IN_HAND):
-        found.append(halting.in_hand(rig(), halting.INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)]))
-        rig().pico.run(1234.5)
+        found.append(halting.in_hand(boot_rig(), halting.INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)]))
+        boot_rig().pico.run(1234.5)
     return [one for one in found if one]
 
 
 def _resume_after_halts():
     random = Random(RESUMED)
 
-    def right(wait_us):
-        *_, position, _ = halting.resume(rig(), halting.INTERRUPT_PIN, STOP_STEPS, STOP_HZ, ACCEL_MM_S2, wait_us)
-        return position == rig().count_steps() == list(STOP_STEPS)
+    def is_exact(wait_us):
+        *_, position, _ = halting.resume_line(boot_rig(), halting.INTERRUPT_PIN, STOP_STEPS, STOP_HZ, ACCEL_MM_S2, wait_us)
+        return position == boot_rig().count_steps() == list(STOP_STEPS)
 
     waits_us = [random.uniform(0, 35_000) for _ in range(RESUMED)]
-    return [on_a_copy(lambda: right(wait_us)) for wait_us in waits_us]
+    return [on_a_copy(lambda: is_exact(wait_us)) for wait_us in waits_us]
 
 
 # --- where is it?
 
 
-def queries():
+def measure_queries():
     """Time that the main loop spends on asking for the position while axes step."""
-    rig()
+    boot_rig()
     rows = []
     for axes, hz in ((3, 100_000), (1, 400_000), (3, 400_000)):
         deltas = tuple(int(hz * QUERIES_S) * (axis < axes) for axis in range(3))
-        found = on_a_copy(lambda: positions(rig(), deltas, hz))
+        found = on_a_copy(lambda: ask_positions(boot_rig(), deltas, hz))
         took_us = [us for us, _ in found]
         walked = max(words for _, words in found)
-        rows.append((axes, hz // 1000, len(found), walked, round(median(took_us)), _p99(took_us), max(took_us)))
+        rows.append((axes, hz // 1000, len(found), walked, round(median(took_us)), _percentile_99(took_us), max(took_us)))
     return ("axes", "kHz", "queries", "words walked, at most", "µs, median", "p99", "worst"), rows
 
 
-def status():
+def measure_status():
     """From `?` on a link to the first byte of the answer: while three axes step at 100 kHz, and while lines come as fast as
     the machine of the board file takes them."""
     rows = []
     for link, name in (("pc", "USB"), ("serial", "UART, 115 200 baud")):
         for mhz in CLOCKS_MHZ:
             for machine, what, lines in (
-                (router(link, mhz), "long lines at 3 × 100 kHz", long_lines()),
-                (router(link, mhz), "a stream of lines of 1.5 mm at 3 × 100 kHz", _short_lines()),
+                (boot_router(link, mhz), "long lines at 3 × 100 kHz", long_lines()),
+                (boot_router(link, mhz), "a stream of lines of 1.5 mm at 3 × 100 kHz", _short_lines()),
                 (as_flashed(link, mhz), "a stream of lines of 0.2 mm at 50 mm/s", _tiny_lines()),
             ):
-                took_ms = on_a_copy(lambda: answers(machine, lines))
-                times = [f"{ms:.2f}" for ms in (median(took_ms), _p99(took_ms), max(took_ms))]
+                took_ms = on_a_copy(lambda: time_answers(machine, lines))
+                times = [f"{ms:.2f}" for ms in (median(took_ms), _percentile_99(took_ms), max(took_ms))]
                 rows.append((name, mhz, what, len(took_ms), *times))
     return ("link", "MHz", "stepping", "answers", "ms, median", "p99", "worst"), rows
 
@@ -118,9 +118,9 @@ def as_flashed(link, clock_mhz):
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(100)
     asking = Asking(machine, link)
-    asking.stream([b"$X\n", b"G21G91G94F3000\n"])
+    asking.stream_lines([b"$X\n", b"G21G91G94F3000\n"])
     machine.run_until(lambda: not asking.unanswered, 1000)
-    asking.status()
+    asking.ask_status()
     return machine, asking
 
 
@@ -129,7 +129,7 @@ def _tiny_lines():
 
 
 @lru_cache
-def router(link, clock_mhz=200):
+def boot_router(link, clock_mhz=200):
     """The router with faster drivers, started; lines come from `link`. No homing, so it is not locked."""
     board = copy.deepcopy(boards.load("router_3axis"))
     board["commands"] = link
@@ -142,9 +142,9 @@ def router(link, clock_mhz=200):
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(100)
     asking = Asking(machine, link)
-    asking.stream([b"G1F25981\n"])  # √3 · 15 000: each axis at 100 kHz
+    asking.stream_lines([b"G1F25981\n"])  # √3 · 15 000: each axis at 100 kHz
     machine.run_until(lambda: not asking.unanswered, 1000)
-    asking.status()  # as every sender does first; it makes the buffers
+    asking.ask_status()  # as every sender does first; it makes the buffers
     return machine, asking
 
 
@@ -158,17 +158,17 @@ def _short_lines():
     return [("X%.3fY%.3fZ%.3f\n" % ((um / 1000,) * 3)).encode() for um in (stations + stations[-2::-1]) * 4]
 
 
-def answers(asked, lines, count=ANSWERS):
-    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped; `asked`: router()."""
+def time_answers(asked, lines, count=ANSWERS):
+    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped; `asked`: boot_router()."""
     machine, asking = asked
     random = Random(ANSWERS)
-    asking.stream(lines)
+    asking.stream_lines(lines)
     machine.run_ms(400)
     took_ms = []
     while len(took_ms) < count:
         machine.run_ms(random.uniform(2, 12))
-        took_ms.append(asking.status())
+        took_ms.append(asking.ask_status())
     return took_ms
 
 
-PARTS = {"queries": queries, "status": status, "stops": stops}
+PARTS = {"queries": measure_queries, "status": measure_status, "stops": measure_stops}

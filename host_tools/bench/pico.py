@@ -10,7 +10,7 @@ from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_US
 from host_tools.emulator.frozen import find_frozen, frozen_machine
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, firmware_files
-from host_tools.emulator.rig import Rig, router
+from host_tools.emulator.rig import Rig, router_board
 from host_tools.emulator.sender import WINDOW, Sender, usb_rig
 
 COLLECT = "gc.collect()"
@@ -24,9 +24,9 @@ GCODE_LINKS = {"pc": "USB", "serial": "a UART of 115 200 baud"}  # of router_3ax
 
 
 @lru_cache
-def rig(player="pio", axes=3):
+def boot_rig(player="pio", axes=3):
     """The rig, made once; measurements run on copies of it."""
-    return Rig(router(axes, player=player, inputs=halting.INPUTS))
+    return Rig(router_board(axes, player=player, inputs=halting.INPUTS))
 
 
 def constant_lines(hz, axes):
@@ -35,19 +35,19 @@ def constant_lines(hz, axes):
             for rate, seconds in ((START_HZ, START_S), (hz, LINE_S))]
 
 
-def pulses():
+def measure_pulses():
     """Rates of one axis, of three and of four, while points arrive and garbage is collected without pause."""
     rows = []
     for axes, rates in ((1, (10, 50, 100, 200, 250, 480)), (3, (10, 50, 100, 200, 400, 480)), (4, (400, 480))):
-        rig(axes=max(axes, 3))
+        boot_rig(axes=max(axes, 3))
         for khz in rates:
-            run = on_a_copy(lambda: _pulses(axes, khz * 1000))
+            run = on_a_copy(lambda: _run_pulses(axes, khz * 1000))
             rows.append((axes, khz, run["steps"], run["off"], run["late"], run["ppm"], run["width"], run["left"]))
     return ("axes", "kHz", "steps", "edge off its word, ns", "words late", "rate error, ppm", "pulse µs", "CPU left"), rows
 
 
-def _pulses(axes, hz):
-    machine = rig(axes=max(axes, 3))
+def _run_pulses(axes, hz):
+    machine = boot_rig(axes=max(axes, 3))
     machine.wire().feed(traffic.points(60), BAUD)
     run = machine.play(constant_lines(hz, axes), COLLECT)
     rises = [cycle for cycle, state in machine.step_edges[0] if state == 1]
@@ -67,16 +67,16 @@ TIMER_KHZ = (10, 25, 36, 50, 80, 120)
 LATENESS_US = (0, 1, 2, 3, 5)  # lower ends of its classes
 
 
-def timer():
+def measure_timer():
     """The timer-interrupt player: how late its edges come while garbage is collected without pause."""
-    rig("timer")
-    rows = [on_a_copy(lambda: _timer(axes, khz)) for axes in (1, 3) for khz in TIMER_KHZ]
+    boot_rig("timer")
+    rows = [on_a_copy(lambda: _run_timer(axes, khz)) for axes in (1, 3) for khz in TIMER_KHZ]
     classes = [f"{low}–{high} µs" for low, high in zip(LATENESS_US, LATENESS_US[1:])] + [f"over {LATENESS_US[-1]} µs"]
     return ("axes", "kHz", "steps", "words late", *classes, "µs, worst", "CPU left"), rows
 
 
-def _timer(axes, khz):
-    run = rig("timer").play(constant_lines(khz * 1000, axes), COLLECT)
+def _run_timer(axes, khz):
+    run = boot_rig("timer").play(constant_lines(khz * 1000, axes), COLLECT)
     first = min(run.lateness)
     late_us = [(cycles - first) / CYCLES_PER_US for cycles in run.lateness]
     overtaken = sum(us >= 1000 / khz for us in late_us)  # the next word's time has come
@@ -86,7 +86,7 @@ def _timer(axes, khz):
             f"{run.share_left():.0%}")
 
 
-def boot():
+def measure_boot():
     """Each board file for a Pico on stock MicroPython, and with Passo's UF2: time from reset to the main loop, to the first answer, and the
     heap then."""
     uf2 = find_frozen("rp2040")
@@ -94,7 +94,7 @@ def boot():
     for board in boards.names():
         config = boards.load(board)
         if config["chip"] == "rp2040" and not config.get("network"):  # that wants a Pico W
-            rows.append(on_a_copy(lambda: (*_boot(board), *_boot_frozen(board, uf2))))
+            rows.append(on_a_copy(lambda: (*_boot_stock(board), *_boot_frozen(board, uf2))))
     return (
         "board", "language", "main loop, ms after reset", "first answer, ms after reset", "heap free, bytes", "in one piece", "code in",
         "UF2: main loop", "first answer", "heap free", "in one piece"
@@ -106,7 +106,7 @@ _TOLD = b"        start.rooms = None; import gc; gc.collect(); print('ready')\n"
 _FIRST = {"plotter": (b"r\0\0\0\0r", b"k"), "grbl": (b"?", b"<")}  # other languages have no question that any machine answers
 
 
-def _boot(board):
+def _boot_stock(board):
     files = dict(firmware_files(board))
     assert files["main.py"].count(_RUN) == 1
     machine = EmulatedMachine(board, dict(files, **{"main.py": files["main.py"].replace(_RUN, _TOLD + _RUN)})).boot()
@@ -115,7 +115,7 @@ def _boot(board):
     ready_ms = machine.now_ms()
     heap = Heap(machine.pico)
     language = machine.board["links"][0]["protocol"]
-    where = [line for line in bytes(console.take()).decode().splitlines() if line.startswith("code in ")][0]
+    where = [line for line in bytes(console.take_output()).decode().splitlines() if line.startswith("code in ")][0]
     where = where.removeprefix("code in ").partition(", build")[0]
     return board, language, round(ready_ms), _first_ms(machine, language), heap.free, heap.largest, where
 
@@ -139,10 +139,10 @@ def _first_ms(machine, language):
     return round(machine.now_ms())
 
 
-def links():
+def measure_links():
     """Points a second over UART and USB, many packets under way and one by one, idle and while three axes step."""
     rows = []
-    for name, chip, baud in (("UART, 57 600 baud", rig, 57_600), ("UART, 115 200 baud", rig, 115_200), ("USB", usb_rig, 0)):
+    for name, chip, baud in (("UART, 57 600 baud", boot_rig, 57_600), ("UART, 115 200 baud", boot_rig, 115_200), ("USB", usb_rig, 0)):
         machine = chip()
         for khz in (0, 100):
             for window, count in ((WINDOW, 400), (1, 150)):
@@ -152,13 +152,13 @@ def links():
     return ("link", "three axes, kHz", "packets under way", "points/s", "of the wire", "bytes lost", "words late"), rows
 
 
-def gcode():
+def measure_gcode():
     """G-code lines a second from memory and over each link, while they are stepped; and how long a command and a feed hold wait over USB."""
-    rows = [(what, mhz, *figures) for mhz in CLOCKS_MHZ for what, *figures in _gcode(mhz)]
+    rows = [(what, mhz, *figures) for mhz in CLOCKS_MHZ for what, *figures in _gcode_rows(mhz)]
     return ("G-code on router_3axis", "MHz", "asked", "measured", "blocks ahead, least", "words late"), rows
 
 
-def _gcode(mhz):
+def _gcode_rows(mhz):
     machine = lines_of_gcode.fast_router(clock_mhz=mhz, mm_s=500, mm_s2=300_000)
     for length_mm, feed_mm_s in ((0.2, 100), (0.2, 490), (0.75, 187.5)):
         run = on_a_copy(lambda: lines_of_gcode.run_lines(machine, length_mm, feed_mm_s, GCODE_LINES))
@@ -176,18 +176,18 @@ def _gcode(mhz):
     for link, name in GCODE_LINKS.items():
         dots_s = on_a_copy(lambda: lines_of_gcode.dots_over(laser, link, 0.1, 200, GCODE_LINES))
         yield f"dots of 0.1 mm at 200 mm/s, M4, over {name}, the PC takes 0 µs, a second", 2000, round(dots_s), "", ""
-    steps, holds = on_a_copy(lambda: _answers(mhz))
+    steps, holds = on_a_copy(lambda: _time_answers(mhz))
     yield "first step after a command at rest, over USB, ms", "", f"{max(steps):.1f}", "", ""
     yield "a feed hold begins to slow at 100 mm/s, over USB, ms", "", f"{max(holds):.1f}", "", ""
 
 
-def _answers(mhz, flashed=EmulatedMachine):
+def _time_answers(mhz, flashed=EmulatedMachine):
     """Try first steps and holds on router_3axis, as flashed but with faster axes, at all phases of the main loop's cycle. Returns two
     lists of milliseconds: from a line to its first step, and from `!` to the first slower step."""
     machine = flashed(lines_of_gcode.fast_board((), clock_mhz=mhz, mm_s=500, mm_s2=300_000)[0], trace=None).boot()
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(100)
-    return lines_of_gcode.first_steps(machine, 30), lines_of_gcode.holds(machine, 40)
+    return lines_of_gcode.time_first_steps(machine, 30), lines_of_gcode.time_holds(machine, 40)
 
 
-PARTS = {"pulses": pulses, "timer": timer, "links": links, "gcode": gcode, "boot": boot}
+PARTS = {"pulses": measure_pulses, "timer": measure_timer, "links": measure_links, "gcode": measure_gcode, "boot": measure_boot}

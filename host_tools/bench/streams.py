@@ -1,6 +1,6 @@
 """Lines and dots a second over each link, beside what they must be, for `bench`."""
 
-from host_tools.bench.moving import _p99
+from host_tools.bench.moving import _percentile_99
 from host_tools.bench.pico import CLOCKS_MHZ
 from host_tools.emulator import rows
 from host_tools.emulator.copies import on_a_copy
@@ -16,7 +16,7 @@ WHAT = {
 }
 
 
-def streams():
+def measure_streams():
     table = []
     for at, mhz in enumerate(CLOCKS_MHZ):
         router, laser = rows.fast_router(mhz), rows.fast_laser(mhz)
@@ -24,11 +24,11 @@ def streams():
             machine = router if kind == "lines" else laser
             for share, port in ((1, "usb"), (2, "uart0")):
                 link = next(link["name"] for link in machine.board["links"] if link["port"] == port)
-                run = on_a_copy(lambda: rows.measure(machine, link, kind, THINK_US, TIMES))
+                run = on_a_copy(lambda: rows.measure_stream(machine, link, kind, THINK_US, TIMES))
                 name = "USB" if port == "usb" else f"a UART of {rows.BAUD // 1000} {rows.BAUD % 1000} baud"
-                figures = round(run["rate"]), run["late"], run["stands"], len(run["asked_ms"]), f"{_p99(run['asked_ms']):.1f}"
+                figures = round(run["rate"]), run["late"], run["stands"], len(run["asked_ms"]), f"{_percentile_99(run['asked_ms']):.1f}"
                 table.append((WHAT[kind], name, mhz, MUST[kind][at] // share, *figures))
     return ("what", "link", "MHz", "must, a second", "measured", "words late", "standstills", "`?` asked", "p99, ms"), table
 
 
-PARTS = {"streams": streams}
+PARTS = {"streams": measure_streams}

@@ -27,12 +27,12 @@ class Tables:
         """The row that begins with these cells."""
         return next(row for row in self.rows(part) if tuple(row.values())[: len(cells)] == cells)
 
-    def cached(self, part, *cells):
+    def row_with_cache(self, part, *cells):
         """The same row with the flash cache: itself, where its figures stand side by side; the next one, where rows follow each other."""
         row = self.row(part, *cells)
         return self.row(part, *cells, "yes") if row.get("flash cache") == "no" else row
 
-    def must(self, figure):
+    def promise_text(self, figure):
         """The text of the figure's row at the top in the column of its promise."""
         return re.search(rf"^\| {re.escape(figure)} \| ([^|\n]*) \|", self._document, re.MULTILINE)[1]
 
@@ -41,21 +41,21 @@ def with_cache(row, column):
     return row.get(column + CACHED, row[column])
 
 
-def _pulses(tables, axes, template):
+def _pulses_text(tables, axes, template):
     left = [tables.row("pulses", axes, khz) for khz in ("480", "400") if (axes, khz) != ("1", "400")]
     return template.format(*[with_cache(row, "CPU left")[:-1] for row in left], free=left[0]["CPU left"][:-1])
 
 
-def _edges(tables):
+def _edges_text(tables):
     rows = tables.rows("pulses")
     return f"{max(int(row['edge off its word, ns']) for row in rows)} ns, {sum(int(row['words late']) for row in rows)} words late"
 
 
-def _rate(tables):
+def _rate_text(tables):
     return f"{max(abs(int(tables.row('pulses', axes, '100')['rate error, ppm'])) for axes in '13')} ppm"
 
 
-def _timer(tables):
+def _timer_text(tables):
     def worst(flash, khz=None):
         return max(float(row["µs, worst"]) for row in tables.rows("timer") if row["flash cache"] == flash and khz in (None, row["kHz"]))
 
@@ -64,28 +64,28 @@ def _timer(tables):
     return f"{every}; at 36 kHz within {worst('no', '36')} and {worst('yes', '36')}"
 
 
-def _halt(tables, by, figure):
+def _halt_text(tables, by, figure):
     """The worst of the row `by`, and by which way of measuring it is over the `figure`'s must."""
-    row, must = tables.row("stops", by), tables.must(figure)
-    free, charged = row["worst"], with_cache(tables.cached("stops", by), "worst")
+    row, must = tables.row("stops", by), tables.promise_text(figure)
+    free, charged = row["worst"], with_cache(tables.row_with_cache("stops", by), "worst")
     must_us = float(must.removesuffix(" µs"))
     over = f", more than the {must}" if float(charged) > must_us else ""
     worst = f"{free} µs{f', with the flash cache {charged}' if charged != free else ''}{over}"
     return f"at most {worst}; {row['exact']} of {row['trials']} positions exact"
 
 
-def _resumes(tables):
+def _resumes_text(tables):
     row = tables.row("stops", "taken up again")
     return f"{row['exact']} of {row['trials']} lines end on target, no step more or less"
 
 
-def _queries(tables):
+def _queries_text(tables):
     row = tables.row("queries", "3", "100", "yes")
     words = max(int(tables.row("queries", "3", "100", flash)["words walked, at most"]) for flash in ("no", "yes"))
     return f"{int(row['µs, median']) / 1000:.1f} ms, at worst {int(row['worst']) / 1000:.1f} ms; {words} words"
 
 
-def _uart(tables):
+def _uart_text(tables):
     rows = [tables.row("links", f"UART, {baud} baud", "100", "32") for baud in ("57 600", "115 200")]
     share = min(int(row["of the wire"][:-1]) for row in rows)
     counts = [f"{sum(int(row[column]) for row in rows)} {column}" for column in ("bytes lost", "words late")]
@@ -98,17 +98,17 @@ def _usb_points(tables):
     return f"{idle}/s with the flash cache; {busy}/s with three axes at 100 kHz"
 
 
-def _status(tables):
-    def answers(mhz, stream):
+def _status_text(tables):
+    def answers_p99(mhz, stream):
         rows = (tables.row("status", link, mhz, stream) for link in ("USB", "UART, 115 200 baud"))
         return [f"{float(with_cache(row, 'p99')):.1f}" for row in rows]
 
     short, longer = "a stream of lines of 0.2 mm at 50 mm/s", "a stream of lines of 1.5 mm at 3 × 100 kHz"
-    first = "{} ms on USB, {} on a UART; at 125 MHz {} and {}".format(*answers("200", short), *answers("125", short))
-    return first + "; of lines of 1.5 mm {} and {}, at 125 MHz {} and {} ms".format(*answers("200", longer), *answers("125", longer))
+    first = "{} ms on USB, {} on a UART; at 125 MHz {} and {}".format(*answers_p99("200", short), *answers_p99("125", short))
+    return first + "; of lines of 1.5 mm {} and {}, at 125 MHz {} and {} ms".format(*answers_p99("200", longer), *answers_p99("125", longer))
 
 
-def _gcode(template, *names):
+def _gcode_text(template, *names):
     """The figures at 125 MHz of the rows with these names, then those at 200 MHz."""
 
     def fill(tables):
@@ -119,24 +119,24 @@ def _gcode(template, *names):
     return fill
 
 
-def _boot(tables, column, to_text):
+def _boot_figures(tables, column, to_text):
     return [to_text(int(tables.row("boot", board, language, "no")[column])) for board, language in BOOTED]
 
 
-def _heap(tables):
-    def kb(value):
+def _heap_text(tables):
+    def kilobytes_text(value):
         return f"{value / 1000:.0f}"
 
-    free, uf2 = (_boot(tables, column, kb) for column in ("heap free, bytes", "heap free"))
-    pieces = [_boot(tables, column, kb)[1] for column in ("in one piece", "UF2: in one piece")]
+    free, uf2 = (_boot_figures(tables, column, kilobytes_text) for column in ("heap free, bytes", "heap free"))
+    pieces = [_boot_figures(tables, column, kilobytes_text)[1] for column in ("in one piece", "UF2: in one piece")]
     return (
         f"{free[0]} kB plotter, {free[1]} kB router, {free[2]} kB mill_2004; {pieces[0]} kB of the router's in one piece; code in flash. "
         f"Passo's UF2: {uf2[0]}, {uf2[1]} and {uf2[2]} kB, {pieces[1]} kB"
     )
 
 
-def _ready(tables):
-    stock, uf2 = (_boot(tables, column, lambda value: f"{value / 1000:.1f}") for column in ("first answer, ms after reset", "first answer"))
+def _ready_text(tables):
+    stock, uf2 = (_boot_figures(tables, column, lambda value: f"{value / 1000:.1f}") for column in ("first answer, ms after reset", "first answer"))
     return (
         f"{stock[0]} s plotter, {stock[1]} s router, {stock[2]} s mill_2004, the first time: with a journal 0.3 s of it, because its blocks are erased. "
         f"Passo's UF2: {uf2[0]}, {uf2[1]} and {uf2[2]} s. Without the flash cache"
@@ -150,32 +150,32 @@ UART = " over a UART of 115 200 baud, the PC takes 0 µs"
 FIRST_HALT, OTHER_HALTS = "halting input to the last step: the first", "halting input to the last step: others"
 THREE = "480 kHz, {} % left with the flash cache; at 400 kHz {} %"
 ROWS = {
-    "three axes together, packets arriving, garbage collected without pause": lambda tables: _pulses(tables, "3", THREE),
-    "four axes together, the same": lambda tables: _pulses(tables, "4", THREE),
-    "one axis": lambda tables: _pulses(tables, "1", "480 kHz, {free} % left; {} with the flash cache"),
-    "edges off their words (PIO), the same load": _edges,
-    "rate error at 100 kHz": _rate,
-    "timer player, one axis or three, garbage collected without pause": _timer,
-    FIRST_HALT: lambda tables: _halt(tables, "first pin", FIRST_HALT),
-    OTHER_HALTS: lambda tables: _halt(tables, "other pins", OTHER_HALTS),
-    "taken up again after a halt at speed": _resumes,
-    "asking for the position while three axes step at 100 kHz": _queries,
-    "points on the UART, three axes at 100 kHz, part of the wire's limit": _uart,
+    "three axes together, packets arriving, garbage collected without pause": lambda tables: _pulses_text(tables, "3", THREE),
+    "four axes together, the same": lambda tables: _pulses_text(tables, "4", THREE),
+    "one axis": lambda tables: _pulses_text(tables, "1", "480 kHz, {free} % left; {} with the flash cache"),
+    "edges off their words (PIO), the same load": _edges_text,
+    "rate error at 100 kHz": _rate_text,
+    "timer player, one axis or three, garbage collected without pause": _timer_text,
+    FIRST_HALT: lambda tables: _halt_text(tables, "first pin", FIRST_HALT),
+    OTHER_HALTS: lambda tables: _halt_text(tables, "other pins", OTHER_HALTS),
+    "taken up again after a halt at speed": _resumes_text,
+    "asking for the position while three axes step at 100 kHz": _queries_text,
+    "points on the UART, three axes at 100 kHz, part of the wire's limit": _uart_text,
     "points over USB": _usb_points,
-    "`?` answered in a full stream of lines of 0.2 mm, as flashed (200 MHz), flash cache modelled, p99": _status,
+    "`?` answered in a full stream of lines of 0.2 mm, as flashed (200 MHz), flash cache modelled, p99": _status_text,
     "G-code lines of 0.2 mm a second, three axes, stepped, fed from the board's memory, flash cache modelled":
-        _gcode("{}; at 200 MHz {}; 2450 were asked for", LINES + " from memory"),
+        _gcode_text("{}; at 200 MHz {}; 2450 were asked for", LINES + " from memory"),
     "the same over USB, 127 bytes under way, the PC answers at once":
-        _gcode("{0}; at 200 MHz {2}. If the PC takes 1 ms: {1}; at 200 MHz {3}", LINES + " over USB, the PC takes 0", LINES + " over USB, the PC takes 1000"),
-    "the same over a UART of 115 200 baud, whose wire is full": _gcode("{}; at 200 MHz {}", LINES + UART),
+        _gcode_text("{0}; at 200 MHz {2}. If the PC takes 1 ms: {1}; at 200 MHz {3}", LINES + " over USB, the PC takes 0", LINES + " over USB, the PC takes 1000"),
+    "the same over a UART of 115 200 baud, whose wire is full": _gcode_text("{}; at 200 MHz {}", LINES + UART),
     "a laser's dots of 0.1 mm a second, each its own power, fed from the board's memory, flash cache modelled":
-        _gcode("{} with M4 and {} with M3; at 200 MHz {} and {}: 2000 were asked for", PICTURE + "M4", PICTURE + "M3"),
-    "a laser's dots over USB, 127 bytes under way, the PC answers at once": _gcode("{} with M4; at 200 MHz {}", DOTS + ", over USB"),
-    "a laser's dots over a UART of 115 200 baud": _gcode("{} with M4; at 200 MHz {}", DOTS + "," + UART),
-    "command to the first step from rest, over USB, flash cache modelled": _gcode("at most {} ms; at 200 MHz {} ms", "first step after a command"),
-    "feed hold begins to slow, over USB, flash cache modelled": _gcode("at most {} ms; at 200 MHz {} ms", "a feed hold begins"),
-    "heap free, all loaded": _heap,
-    "reset to the first answer": _ready,
+        _gcode_text("{} with M4 and {} with M3; at 200 MHz {} and {}: 2000 were asked for", PICTURE + "M4", PICTURE + "M3"),
+    "a laser's dots over USB, 127 bytes under way, the PC answers at once": _gcode_text("{} with M4; at 200 MHz {}", DOTS + ", over USB"),
+    "a laser's dots over a UART of 115 200 baud": _gcode_text("{} with M4; at 200 MHz {}", DOTS + "," + UART),
+    "command to the first step from rest, over USB, flash cache modelled": _gcode_text("at most {} ms; at 200 MHz {} ms", "first step after a command"),
+    "feed hold begins to slow, over USB, flash cache modelled": _gcode_text("at most {} ms; at 200 MHz {} ms", "a feed hold begins"),
+    "heap free, all loaded": _heap_text,
+    "reset to the first answer": _ready_text,
 }  # fmt: skip
 
 

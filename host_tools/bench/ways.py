@@ -1,6 +1,6 @@
 """How many functions of the firmware in how many files a thing passes, on the virtual board: `make bench ARGS=ways`.
 
-    header, rows = ways()
+    header, rows = ways_table()
 
 Each is counted once, however often it runs, and a call into a kernel is one function, whatever that calls. The main loop's own
 cycle is in each of them.
@@ -25,7 +25,7 @@ _NEAR_THE_SENSORS = [1500, 1500, -1500]  # steps from machine zero
 
 
 @cache
-def _kernels(path):
+def _kernel_lines(path):
     """First lines of the functions that a chip runs as kernels."""
     tree = ast.parse(open(path, encoding="utf-8").read())
     made = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.decorator_list]
@@ -33,7 +33,7 @@ def _kernels(path):
 
 
 def _is_kernel(code):
-    return code.co_firstlineno in _kernels(code.co_filename)
+    return code.co_firstlineno in _kernel_lines(code.co_filename)
 
 
 class Passed:
@@ -44,13 +44,13 @@ class Passed:
         self._inside = 0  # kernels that run
 
     def __enter__(self):
-        sys.setprofile(self._look)
+        sys.setprofile(self._on_event)
         return self
 
     def __exit__(self, *_):
         sys.setprofile(None)
 
-    def _look(self, frame, event, _):
+    def _on_event(self, frame, event, _):
         code = frame.f_code
         if event not in ("call", "return") or not code.co_filename.startswith(str(FIRMWARE)):
             return
@@ -62,14 +62,14 @@ class Passed:
             self.functions.add((code.co_filename, code.co_qualname))
         self._inside += kernel
 
-    def count(self):
+    def count_passed(self):
         return len(self.functions), len({path for path, _ in self.functions})
 
 
-def _machine(*before, start=None):
+def _make_machine(*before, start=None):
     """A router at rest that has carried out `before`, one after the other. `start`: where it stands, in steps."""
     machine = VirtualMachine(_BOARD, trace=None, start=start)
-    _unlock(machine)
+    _unlock_machine(machine)
     for data in before:
         machine.send(data)
         machine.run_ms(1500)
@@ -77,69 +77,69 @@ def _machine(*before, start=None):
     return machine
 
 
-def _unlock(machine):
+def _unlock_machine(machine):
     """As of a machine that has told that it is not homed, which its first motion does."""
     machine.send(b"$X\n")
     machine.run_ms(1500)
     machine.app.controller.machine.cautious = False
 
 
-def _until(machine, done):
+def _count_until(machine, done):
     with Passed() as passed:
         for _ in range(_CYCLES):
             machine.app.poll()
             machine.app.rest()
             if done():
-                return passed.count()
+                return passed.count_passed()
     raise TimeoutError
 
 
-def _line(text, *before):
+def _count_line(text, *before):
     """From a line's bytes until the first of its words is in the ring."""
-    machine = _machine(*before)
+    machine = _make_machine(*before)
     ring = machine.port._player._ring
     made = ring.head
     machine.send(text)
-    return _until(machine, lambda: ring.head != made)
+    return _count_until(machine, lambda: ring.head != made)
 
 
-def _answer(text, end, *before):
-    machine = _machine(*before)
+def _count_answer(text, end, *before):
+    machine = _make_machine(*before)
     machine.send(text)
-    return _until(machine, lambda: end in machine.replies_so_far())
+    return _count_until(machine, lambda: end in machine.replies_so_far())
 
 
 def _amid_motion(text, done):
-    machine = _machine()
+    machine = _make_machine()
     machine.send(b"G91G1X50F1000\n")
     machine.run_ms(500)
     machine.take()
     machine.send(text)
-    return _until(machine, lambda: done(machine))
+    return _count_until(machine, lambda: done(machine))
 
 
-def stands(machine, seen=[]):
+def has_stopped(machine, seen=[]):
     """Whether the plant has stood for 100 cycles."""
     seen.append(machine.plant.position[:])
     return len(seen) > 100 and seen[-100] == seen[-1]
 
 
-def _idle():
+def _count_idle():
     """The count that most cycles pass; now and then one has more to do."""
-    machine = _machine()
+    machine = _make_machine()
     found = []
     for _ in range(100):
         with Passed() as passed:
             machine.app.poll()
             machine.app.rest()
-        found.append(passed.count())
-    return max(set(found), key=found.count)
+        found.append(passed.count_passed())
+    return max(set(found), key=found.count_passed)
 
 
-def _homing():
-    machine = _machine(start=_NEAR_THE_SENSORS)
+def _count_homing():
+    machine = _make_machine(start=_NEAR_THE_SENSORS)
     machine.send(b"$H\n")
-    return _until(machine, lambda: b"ok" in machine.replies_so_far())
+    return _count_until(machine, lambda: b"ok" in machine.replies_so_far())
 
 
 _KEY = "ABCDEFGHJKLMNPQR"
@@ -164,20 +164,20 @@ class _Browser:
         self.socket.setblocking(False)
         self.heard = b""
         self._count = 0
-        self.machine.run_until(lambda: self.has(b'"hello"'))
+        self.machine.run_until(lambda: self.has_received(b'"hello"'))
         self._session = Session(_KEY, re.search(rb'"nonce": "(\w+)"', self.heard)[1].decode())
-        _unlock(self.machine)
-        self.order(do="give", to="page")
+        _unlock_machine(self.machine)
+        self.send_order(do="give", to="page")
         self.machine.run_ms(1500)
 
-    def has(self, text):
+    def has_received(self, text):
         try:
             self.heard += self.socket.recv(65_536)
         except BlockingIOError:
             pass
         return text in self.heard
 
-    def order(self, **order):
+    def send_order(self, **order):
         self._count += 1
         body = json.dumps(order)
         text = f"{self._count}.{self._session.proof(str(self._count), body)}.{body}".encode()
@@ -189,32 +189,32 @@ def _press_key(again=False):
     browser = _Browser()
     machine = browser.machine
     if again:
-        browser.order(do="step", by={"x": 1}, speed=500)
+        browser.send_order(do="step", by={"x": 1}, speed=500)
         machine.run_ms(1500)
     ring = machine.port._player._ring
     made = ring.head
-    browser.order(do="step", by={"x": 1}, speed=500)
-    return _until(machine, lambda: browser.has(b'"step"') and ring.head != made)
+    browser.send_order(do="step", by={"x": 1}, speed=500)
+    return _count_until(machine, lambda: browser.has_received(b'"step"') and ring.head != made)
 
 
 _MODES = b"G21G91G94G17F600\n"
 WAYS = {
-    "a cycle of the main loop, nothing to do": _idle,
-    "`G1`, from its bytes to its first words": lambda: _line(b"G1X5\n", _MODES, b"G1X1\n"),
-    "the first `G1`, with `G91` in it": lambda: _line(b"G91G1X5F600\n"),
-    "`G2`, the same": lambda: _line(b"G2X5Y5I5\n", _MODES, b"G2X1Y1I1\n"),
-    "the first `G2`": lambda: _line(b"G91G2X5Y5I5F600\n"),
-    "`?`, to its answer": lambda: _answer(b"?", b">", b"?", b"?", b"?"),
-    "the first `?`": lambda: _answer(b"?", b">"),
-    "`!` in motion, to the stand": lambda: _amid_motion(b"!", stands),
+    "a cycle of the main loop, nothing to do": _count_idle,
+    "`G1`, from its bytes to its first words": lambda: _count_line(b"G1X5\n", _MODES, b"G1X1\n"),
+    "the first `G1`, with `G91` in it": lambda: _count_line(b"G91G1X5F600\n"),
+    "`G2`, the same": lambda: _count_line(b"G2X5Y5I5\n", _MODES, b"G2X1Y1I1\n"),
+    "the first `G2`": lambda: _count_line(b"G91G2X5Y5I5F600\n"),
+    "`?`, to its answer": lambda: _count_answer(b"?", b">", b"?", b"?", b"?"),
+    "the first `?`": lambda: _count_answer(b"?", b">"),
+    "`!` in motion, to the stand": lambda: _amid_motion(b"!", has_stopped),
     "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.replies_so_far()),
-    "`$H`, to its answer": _homing,
-    "`$110=`, to its answer": lambda: _answer(b"$110=3100\n", b"ok"),
+    "`$H`, to its answer": _count_homing,
+    "`$110=`, to its answer": lambda: _count_answer(b"$110=3100\n", b"ok"),
     "a key on the board's own page, to its answer and its first words": _press_key,
     "the same key again": lambda: _press_key(True),
 }
 
 
-def ways():
+def ways_table():
     """Header and rows of the table."""
     return ["way", "functions", "files"], [[name, *count()] for name, count in WAYS.items()]

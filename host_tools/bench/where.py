@@ -21,7 +21,7 @@ DOTS_MM, DOTS_MM_S = 0.1, 100
 ORDER = (IN_RAM, *(name for name, _ in _PARTS), OTHERS, ROM, UNNAMED)
 
 
-def symbols():
+def load_symbols():
     """Of the ELF file that PASSO_ELF names, or that lies beside the UF2. Raises Unavailable."""
     path = Path(os.environ.get("PASSO_ELF") or find_uf2().with_suffix(".elf"))
     if not path.is_file():
@@ -39,9 +39,9 @@ def measure_parts():
     return [(what, run["lines"], run["spent"]) for what, run in (("line", lines), ("dot", dots))]
 
 
-def where():
+def measure_where():
     """Microseconds of a line of 0.2 mm and of a picture's dot, of the main loop and of interrupts."""
-    names = symbols()
+    names = load_symbols()
     rows = [[part] for part in (*ORDER, "all")]
     header = ["µs of"]
     for what, count, spent in measure_parts():
@@ -60,7 +60,7 @@ def where():
 
 def main(elf="", count="40"):
     os.environ["PASSO_ELF"] = elf or os.environ.get("PASSO_ELF", "")
-    names = symbols()
+    names = load_symbols()
     for what, lines, spent in measure_parts():
         print(f"\n{'µs of a ' + what:40} {'part':20} {'main':>8} {'interr.':>8} {'flash':>8}")
         for name, cost in [*spent.functions(names)[: int(count)], ("all", spent.total())]:
@@ -72,7 +72,7 @@ def main(elf="", count="40"):
             print(f"{name:40} {calls / lines:20.2f} {main:8.1f} {interrupts:8.1f}")
 
 
-PARTS = {"where": where}
+PARTS = {"where": measure_where}
 
 if __name__ == "__main__":
     main(*sys.argv[1:])

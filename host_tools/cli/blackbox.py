@@ -26,24 +26,24 @@ def blackbox(
 
     Example: passo blackbox yesterday.zip
     """
-    from host_tools.programs.blackbox import Box, pack, unpack
+    from host_tools.programs.blackbox import Box, pack_files, unpack_files
 
     if (file is None) == (port is None):
         raise Failure("which black box? Give --port, or a file that --save has written")
     if file and not file.is_file():
         raise Failure("no file {}", file)
-    files = unpack(file.read_bytes()) if file else read_board_files(port, yes)
+    files = unpack_files(file.read_bytes()) if file else read_board_files(port, yes)
     if save:
-        save.write_bytes(pack(files))
+        save.write_bytes(pack_files(files))
         print(_("{}: all of it", save))
-    box = Box.of(files, older)
+    box = Box.from_files(files, older)
     played = replay_box(box) if replay else None
     for line in report_lines(box, played):
         print(line)
     if picture:
-        from host_tools.programs.timeline import draw
+        from host_tools.programs.timeline import draw_timeline
 
-        draw(picture, box, played)
+        draw_timeline(picture, box, played)
         print(_("{}: the timeline", picture))
     if played and played.faults:
         raise typer.Exit(1)
@@ -58,7 +58,7 @@ def read_board_files(port, yes):
     if not yes and not typer.confirm(_("The firmware ends, and begins anew: it must stand, and does not know its position then. Go on?")):
         raise typer.Abort
     with PortBoard(port) as board:
-        board.fresh()
+        board.restart_interpreter()
         return files_of(board)
 
 
@@ -110,9 +110,9 @@ def replay_box(box):
 
 def report_lines(box, played):
     """Yield lines for people: the events with their seconds before the end, the crash, the result of the replay (`played`, or None)."""
-    from host_tools.programs.timeline import lines_of, mm, reason
+    from host_tools.programs.timeline import lines_of, mm_text, reason_text
 
-    yield _("{}, written behind {}. Seconds before its end:", box.board["name"], reason(box))
+    yield _("{}, written behind {}. Seconds before its end:", box.board["name"], reason_text(box))
     yield from lines_of(box)
     if box.crash:
         yield box.crash.rstrip()
@@ -125,4 +125,4 @@ def report_lines(box, played):
     elif box.why == "reset":
         yield _("The virtual board went through all places that the board has noted. The reset came behind the last: where, nobody has seen; {} steps are played from its orders.", len(played.path) - 1)  # fmt: skip
     else:
-        yield _("The virtual board went the same way, {} steps, to {}.", len(played.path) - 1, mm(box.board, played.path[-1]))
+        yield _("The virtual board went the same way, {} steps, to {}.", len(played.path) - 1, mm_text(box.board, played.path[-1]))

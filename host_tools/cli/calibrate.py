@@ -290,7 +290,7 @@ def _pattern_lines(calibration, axis, lengths, strokes, feed, board):
     config = boards.load(board) if board else None
     language = config["links"][0]["protocol"] if config else "grbl"
     if language == "grbl":
-        return calibration.pattern(axis, lengths, strokes, feed)
+        return calibration.pattern_lines(axis, lengths, strokes, feed)
     if language == "keys":
         raise Failure("{} turns motors without an end: it draws no lengths", board)
     if language == "plotter":

@@ -102,7 +102,7 @@ def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=Non
     job = VirtualJob(board, *place, drawn=bool(out))
     flat.refuse_z(program, len(job.board["axes"]) > 2)
     _run_program(job, program)
-    compiler.tell(program)
+    compiler.print_notes(program)
     for line in summary_lines(job):
         print(line)
     if slow := feeds.slow_feeds(program.rows(), job.seconds):
@@ -111,7 +111,7 @@ def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=Non
         save_job_picture(out, job, file.name)
         print(out)
     for number, text, what in job.errors[:_MOST_SHOWN]:
-        typer.echo(f"{program.place(number)}: {text}: {what}", err=True)
+        typer.echo(f"{program.place_text(number)}: {text}: {what}", err=True)
     _raise_if_faulty(job, program)
 
 
@@ -205,9 +205,9 @@ def table_mm(board):
 
 def summary_lines(job):
     """Yield lines about a job: its time, range and fastest speed of each axis, pauses, skipped lines, probes."""
-    from host_tools.programs.gcode_file import clock
+    from host_tools.programs.gcode_file import clock_text
 
-    yield _("time    {} ({:.1f} s), {} words with a step", clock(job.seconds), job.seconds, job.track.steps)
+    yield _("time    {} ({:.1f} s), {} words with a step", clock_text(job.seconds), job.seconds, job.track.steps)
     for number, axis in enumerate(job.board["axes"]):
         low, high = job.low[number], job.high[number]
         note = "  " + _("MORE THAN THE TRAVEL") if job.excess_text(number) else ""
@@ -263,7 +263,7 @@ def save_job_picture(path, job, title):
 
     from host_tools.drawings.plot import write
     from host_tools.figures import pyplot
-    from host_tools.programs.gcode_file import clock
+    from host_tools.programs.gcode_file import clock_text
 
     plt = pyplot()
     plt.rcParams["agg.path.chunksize"] = _PIECE
@@ -283,7 +283,7 @@ def save_job_picture(path, job, title):
         _show_table(parts["table"], job)
     else:
         parts["table"].set_axis_off()
-    above.set_title(f"{title}, {clock(job.seconds)} ({job.seconds:.1f} s)")
+    above.set_title(f"{title}, {clock_text(job.seconds)} ({job.seconds:.1f} s)")
     above.set_xlabel(_("x in mm"))
     above.set_ylabel(_("y in mm"))
     above.grid(color="#e6e6e6", linewidth=0.5)

@@ -147,11 +147,11 @@ def _in_order(paths, found):
 
 def _row_text(row):
     """Return a row of the table behind its name: the fault, or time and size in mm."""
-    from host_tools.programs.gcode_file import clock
+    from host_tools.programs.gcode_file import clock_text
 
     if row.fault:
         return _("fault: {}", row.fault)
     sides = " x ".join(f"{high - low:.1f}" for low, high in zip(row.low, row.high))
-    return f"{clock(row.seconds):>8}  {sides} mm"
+    return f"{clock_text(row.seconds):>8}  {sides} mm"
 
 

@@ -75,7 +75,7 @@ def save_picture(path, program):
     be written."""
     from matplotlib.collections import LineCollection
 
-    from host_tools.drawings.plot import finish, write
+    from host_tools.drawings.plot import finish_axes, write
     from host_tools.figures import pyplot
 
     strokes = program.listing.strokes
@@ -98,7 +98,7 @@ def save_picture(path, program):
     if holes:
         axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label=_("straight down"))
     _label_strokes(axes, cuts or strokes, len(program.texts) > 1)
-    finish(figure, axes, f"{program.name} ({program.dialect}): {count_text(len(program.listing.codes), 'line of G-code')}")
+    finish_axes(figure, axes, f"{program.name} ({program.dialect}): {count_text(len(program.listing.codes), 'line of G-code')}")
     write(figure, path)
 
 

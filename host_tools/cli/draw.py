@@ -68,9 +68,9 @@ def draw(**given):
     if said.out:
         job.write(console, said.out)
         return
-    record = Journal(said.journal or Journal.beside(said.file[0]), job.digest, said.points, said.options_to_keep())
+    record = Journal(said.journal or Journal.path_beside(said.file[0]), job.digest, said.points, said.options_to_keep())
     if not said.resume:
-        record.probe()
+        record.check_writable()
         if record.is_begun():
             console.print(_("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]"))
     job.run(console, record, said)
@@ -144,7 +144,7 @@ def _print_plan(console, plan, options, job):
     from host_tools.programs import estimate
 
     down, up = plan.lengths_mm()
-    console.print(_("[bold]{}[/bold] at {} % of its real size", escape(plan.name), drawing.percent(plan.scale)))
+    console.print(_("[bold]{}[/bold] at {} % of its real size", escape(plan.name), drawing.percent_text(plan.scale)))
     for text, (left, bottom, right, top) in (
         (_("  page  {:.1f} × {:.1f} mm, corner at {:.1f}, {:.1f}"), plan.page_mm),
         (_("  drawn {:.1f} × {:.1f} mm, corner at {:.1f}, {:.1f}"), plan.box_mm),
@@ -154,10 +154,10 @@ def _print_plan(console, plan, options, job):
         named = ", ".join(f"{number} {name or ''}".rstrip() for number, name in plan.layers.items())
         chosen = _(", drawn: {}", ", ".join(map(str, options.layers))) if options.layers else ""
         console.print(_("  layers {}", escape(named)) + chosen)
-    console.print(f"  {count_text(len(plan.lines), 'line')}, {count_text(plan.points(), 'point')}")
-    console.print(_("  pen down {:.2f} m, pen up {:.2f} m, about {}", down / 1000, up / 1000, estimate.clock(job.seconds)))
+    console.print(f"  {count_text(len(plan.lines), 'line')}, {count_text(plan.count_points(), 'point')}")
+    console.print(_("  pen down {:.2f} m, pen up {:.2f} m, about {}", down / 1000, up / 1000, estimate.clock_text(job.seconds)))
     if plan.before_mm > up * 1.01:
-        later = estimate.clock(job.seconds + job.travel_s(plan.before_mm - up))
+        later = estimate.clock_text(job.seconds + job.travel_s(plan.before_mm - up))
         console.print(_("  in the order of the file: pen up {:.2f} m, about {}", plan.before_mm / 1000, later))
     for line in job.tool_lines():
         console.print(f"  {line}")

@@ -25,7 +25,7 @@ def cuts_of_parts(machine, plan, said):
     given = {each.name: getattr(said, each.name) for each in fields(Cut) if getattr(said, each.name) is not None}
     if given.get("tool", TOOLS[0]) not in TOOLS:
         raise Failure("--tool takes {}, not {!r}", ", ".join(TOOLS), given["tool"])
-    usual = replace(gcode.usual(machine, given.get("tool")), **given).validate()
+    usual = replace(gcode.usual_cut(machine, given.get("tool")), **given).validate()
     found = {part.number: usual for part in plan.parts}
     for text in said.layers or ():
         number, colon, changes = text.partition(":")
@@ -49,7 +49,7 @@ class Written:
         self.digest = hashlib.sha256("\n".join(self.lines).encode()).hexdigest()
         self._rows = list(program_lines(line.encode() for line in self.lines))
         limits = Limits.of_board(machine)
-        self.seconds = sum(gcode_time.estimate(self._rows, limits))
+        self.seconds = sum(gcode_time.estimate_seconds(self._rows, limits))
         self._rapid_mm_s = min(limits.speeds[:2])
 
     def travel_s(self, length_mm):
@@ -84,11 +84,11 @@ class Written:
         """If the board's journal says that it ran these lines as a stored job, go on with that and return True; else False. Raises Failure."""
         resume_gcode.wait_until_settled(client)
         try:
-            found = Record.of(client.command("$JR"))
+            found = Record.of_answer(client.command("$JR"))
         except Refused:
             return False  # no journal
         rows = [(number + 1, line) for number, line in self._rows]
-        number = stored_job.crc(stored_job.gcode_lines(rows))
+        number = stored_job.crc_of(stored_job.gcode_lines(rows))
         if found.job != number:
             return False
         resume_gcode.go_on(client, rows, self._plan.name, number, said.home and not said.unlock, said.unlock, said.yes)
@@ -104,18 +104,18 @@ class Written:
             if said.resume:
                 if self._continue_stored_job(client, said):
                     return
-                record.resume()
+                record.resume_from_file()
                 first = record.object
                 pens = [part for line, part in self._pens.items() if line < first]
                 if pens and first not in self._pens:
                     console.print(_("  pen {} draws on", pen_of(pens[-1])))
             stream.make_ready(client, said.home and not said.unlock, said.unlock)
             try:
-                seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._line_name, record.save)
+                seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._line_name, record.save_progress)
             except stream.Aborted as aborted:
                 raise Failure("{}; {}", aborted, continue_advice(record)) from None
-        record.finish()
-        console.print(_("drawn in {}: {}", gcode_file.clock(seconds), count_text(len(self._rows), "line")))
+        record.remove_file()
+        console.print(_("drawn in {}: {}", gcode_file.clock_text(seconds), count_text(len(self._rows), "line")))
 
     def _line_name(self, number):
         """Return the name of line `number` for people; at a change of pens with the next pen."""

@@ -20,9 +20,9 @@ def write(console, path, plan, machine, seconds):
     elif path.suffix.lower() == ".svg":
         _write_svg(path, plan, placement.table_mm(machine))
     else:
-        title = _("{} at {} %, about {}", name, drawing.percent(plan.scale), estimate.clock(seconds))
+        title = _("{} at {} %, about {}", name, drawing.percent_text(plan.scale), estimate.clock_text(seconds))
         table = (0.0, 0.0, *placement.table_mm(machine))
-        plot.save(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)
+        plot.save_picture(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)
 
 
 def in_dots(plan, table, columns, rows):

@@ -40,7 +40,7 @@ class Plotted:
         self._machine, self._plan, self._said = machine, plan, said
         times = estimate.Estimate(machine, said.speed)
         self.seconds = sum(times.lines_s(part.lines) for part in plan.parts)
-        self._changes = plan.changes(said.points) if said.pens != "none" else {}
+        self._changes = plan.part_starts(said.points) if said.pens != "none" else {}
         self._travel_s_per_mm = times.object_s([(False, round(1000 * plan.steps_per_mm[0]), 0)])[0] / 1000
 
     @functools.cached_property
@@ -106,13 +106,13 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 if spot:
                     console.print(_("  interrupted {}", spot))
                     job.begin(spot)
-                    drawing_progress.announce(client, objects, spot)
+                    drawing_progress.announce_rest(client, objects, spot)
                 if way.resume and changes:
                     pens = [part for number, part in changes.items() if number <= (spot.number if spot else record.object)]
                     if pens:
                         console.print(_("  pen {} draws on", pen_of(pens[-1])))
                 if not way.resume:
-                    drawing_progress.announce(client, objects, drawing_progress.Spot(0, 0))
+                    drawing_progress.announce_rest(client, objects, drawing_progress.Spot(0, 0))
                 if spot and spot.done:
                     _lead_to_spot(client, objects, spot, way)
                 with _Progress(console, job, machine, speed) as progress:
@@ -130,7 +130,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                     error, job.progress_text(), continue_advice(record),
                 ) from error
         if record:
-            record.finish()
+            record.remove_file()
         took = time.monotonic() - begun
         console.print(_("drawn in {:.0f} s: {} packets, {} sent again", took, client.packets, client.resends))
 
@@ -187,18 +187,18 @@ def _find_spot(client, objects, record, way, numbers):
         return None
     found = None
     try:
-        record_of = job_record.Record.of_job if way.strict else job_record.Record.of
+        record_of = job_record.Record.of_job if way.strict else job_record.Record.of_answer
         found = record_of(client.ask("$JR"))
     except Refused as refused:
         if way.strict:
             raise Failure("the board has no journal (docs/use/jobs.md): {}; passo draw --continue needs none", refused) from None
     if found and found.job in (drawing_progress.number_of(objects), *numbers):
         spot = drawing_progress.spot_of(found, objects)
-        job_record.find_zero(found.known, way.home, way.unverified, lambda: None)
+        job_record.find_zero(found.is_known, way.home, way.unverified, lambda: None)
         return spot
     if way.strict:
         raise Failure("the board's journal is of another drawing, or it was drawn with other options: give them to passo draw --continue")
-    record.resume()
+    record.resume_from_file()
     return drawing_progress.spot_at(objects, record.object, record.drawn) if found else None
 
 
@@ -219,7 +219,7 @@ class _Progress:
 
         from host_tools.programs import estimate
 
-        self._clock = estimate.clock
+        self._clock = estimate.clock_text
         times = estimate.Estimate(machine, speed)
         self._spans = [times.object_s(points) for points in job.objects]
         self._totals = [sum(span) for span in self._spans]

@@ -125,7 +125,7 @@ def serve_emulated(machine, symlinks, tcp, blank=False):
 
 def _print_ports(machine, ptys, blank):
     """Print the ports of the UARTs once the firmware listens, or has failed to start within 10 s of its own time. Return True then."""
-    if not blank and not machine.listening():
+    if not blank and not machine.is_listening():
         if machine.now_ms() < UP_LIMIT_MS:
             return False
         said = machine.pico.console.text.decode("utf-8", "replace").strip()
@@ -159,7 +159,7 @@ def _run_until_stopped(machine, ptys, usb, stopped, pressed, blank):
         for name, line in ptys.items():
             if machine.replies_so_far(name):
                 line.write(machine.take(name))
-        said = machine.pico.console.take() if announced or usb is not None else b""  # before, `_print_ports` needs it
+        said = machine.pico.console.take_output() if announced or usb is not None else b""  # before, `_print_ports` needs it
         if usb is not None and said:
             usb.write(said)
         now = time.monotonic()

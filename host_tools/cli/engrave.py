@@ -110,12 +110,12 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
     machine = engraving.Machine.of_settings(client.command("$$")) if client else engraving.Machine.of_board(boards.load(board), board)
     _choose_dialect(dialect, machine, client)
     options.speed = _limit_speed(console, options.speed, machine)
-    picture = engraving.open_picture(file) if file else engraving.card(options)
+    picture = engraving.open_picture(file) if file else engraving.draw_card(options)
     with console.status(_("shading")) as status:
         powers = engraving.powers_of(picture, options, lambda share: status.update(_("shading: {:.0%}", share)))
     rows = engraving.rows_of(powers, options)
-    lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode(rows, options, machine), 1)]
-    seconds = sum(gcode_time.estimate(lines, machine.limits))
+    lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode_lines(rows, options, machine), 1)]
+    seconds = sum(gcode_time.estimate_seconds(lines, machine.limits))
     _print_plan(console, powers, rows, options, machine, len(lines), seconds)
     if preview:
         save_preview(preview, powers, rows, options, machine, seconds)
@@ -130,7 +130,7 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
             go_on(client, lines, name)
             return
         seconds, count = send(client, lines, name, True, None, False, line_text)
-        console.print(_("{}: {} in {}", name, count_text(count, "line"), gcode_file.clock(seconds)))
+        console.print(_("{}: {} in {}", name, count_text(count, "line"), gcode_file.clock_text(seconds)))
 
 
 def _choose_dialect(dialect, machine, client):
@@ -173,17 +173,17 @@ def _limit_speed(console, speed, machine):
 def _print_plan(console, powers, rows, options, machine, lines, seconds):
     """Print size, dots, time and the head's travel, and the speed up to which a link carries all powers."""
     from host_tools.drawings import engraving
-    from host_tools.programs.gcode_file import clock
+    from host_tools.programs.gcode_file import clock_text
 
     height, width = powers.shape
-    left, bottom, right, top = engraving.bounds(rows, options, machine)
+    left, bottom, right, top = engraving.bounds_mm(rows, options, machine)
     console.print(
         _("  {:g} × {:g} mm, {} × {} dots, {} rows that burn, {}, {}", width / options.dots_mm, height / options.dots_mm,
-          width, height, len(rows), count_text(lines, "line of G-code"), clock(seconds))
+          width, height, len(rows), count_text(lines, "line of G-code"), clock_text(seconds))
     )  # fmt: skip
     console.print(
         _("  the head goes from X{:.1f} to X{:.1f} and from Y{:.1f} to Y{:.1f}: {:.1f} mm beside the dots, to speed up",
-          left, right, bottom, top, engraving.overscan(options, machine))
+          left, right, bottom, top, engraving.overscan_length(options, machine))
     )  # fmt: skip
     rate, most = engraving.powers_s(rows, options, machine)
     if rate > most:
@@ -200,9 +200,9 @@ def save_preview(path, powers, rows, options, machine, seconds):
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings import engraving
-    from host_tools.drawings.plot import finish, write
+    from host_tools.drawings.plot import finish_axes, write
     from host_tools.figures import pyplot
-    from host_tools.programs.gcode_file import clock
+    from host_tools.programs.gcode_file import clock_text
 
     height, width = powers.shape
     x, y = options.origin
@@ -211,7 +211,7 @@ def save_preview(path, powers, rows, options, machine, seconds):
     most = max(options.power, 1e-9)
     axes.imshow(1 - powers / most, cmap="gray", vmin=0, vmax=1, origin="lower", interpolation="antialiased",
                 extent=(x, x + width / options.dots_mm, y, y + height / options.dots_mm), zorder=1)  # fmt: skip
-    over = engraving.overscan(options, machine)
+    over = engraving.overscan_length(options, machine)
     ways = []
     for row in rows:
         side = -over if row.backward else over
@@ -219,5 +219,5 @@ def save_preview(path, powers, rows, options, machine, seconds):
         ways += [[(begin - side, row.y), (begin, row.y)], [(end, row.y), (end + side, row.y)]]
     colors = plt.get_cmap("turbo")([at / max(1, len(ways) - 1) for at in range(len(ways))])
     axes.add_collection(LineCollection(ways, colors=colors, linewidths=0.6, label=_("speeding up and slowing down, beam off; the first row is blue")))
-    finish(figure, axes, _("{:g} × {:g} mm at {:g} mm/min, {}", width / options.dots_mm, height / options.dots_mm, options.speed, clock(seconds)))
+    finish_axes(figure, axes, _("{:g} × {:g} mm at {:g} mm/min, {}", width / options.dots_mm, height / options.dots_mm, options.speed, clock_text(seconds)))
     write(figure, path)

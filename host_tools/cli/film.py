@@ -38,7 +38,7 @@ def film(
     if out.suffix.lower() == ".mp4":
         import imageio_ffmpeg  # noqa: F401  before the trace is read, not after it
     scale = scale_of(steps_per_mm, board)
-    moves = films.load(trace)
+    moves = films.load_moves(trace)
     if sys.stderr.isatty():
         with progress_bar(transient=True) as bar:
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from host_tools import interpreter
 from host_tools.build.frozen import CHIPS
 from host_tools.build.uf2 import label_of
-from host_tools.emulator.filesystem import location
+from host_tools.emulator.filesystem import location_of
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
@@ -97,7 +97,7 @@ def start_failure(path, kept=None):
 def save_files(port, path, has):
     """Return a folder with the board's files if they would be lost, because the file system begins elsewhere; else None. Raises Failure if one cannot
     be read."""
-    if has.files_at == location(path)[0]:
+    if has.files_at == location_of(path)[0]:
         return None
     folder = Path(tempfile.mkdtemp(prefix="passo-files-"))
     names = [name for name in has.names if name not in _OF_PACKAGE]

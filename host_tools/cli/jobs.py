@@ -118,7 +118,7 @@ def store(
         raise Failure("--language is {}, not {!r}", ", ".join(stored_job.KINDS), language)
     make, unit, count = stored_job.KINDS[language]
     data = make(file, partial(_tell_end, file)) if language == "grbl" else make(file)
-    packed = stored_job.pack(data)
+    packed = stored_job.pack_job(data)
     name = (name or stored_job.name_of(file)).upper()
     if card:
         written = stored_job.write_on_card(card, name, language, data)
@@ -131,7 +131,7 @@ def store(
         if len(packed) > free:
             raise Failure("{} takes {} bytes of flash; {} are free: delete a job (passo jobs list)", file, len(packed), free)
         begun = time.monotonic()
-        client.ask(f"$FS={name},{language},{len(data)},{stored_job.crc(data):08x},{len(packed)}")
+        client.ask(f"$FS={name},{language},{len(data)},{stored_job.crc_of(data):08x},{len(packed)}")
         with _bar(_("storing {}", name)) as show:
             for first in range(0, len(packed), _BYTES_A_LINE):
                 client.ask("$F:" + base64.b64encode(packed[first : first + _BYTES_A_LINE]).decode())

@@ -33,7 +33,7 @@ def nest_try(item):
 
     shapes = list(shapely.from_wkb(item.shapes))
     try:
-        spots = nesting.nest(shapes, item.width, item.height, item.gap, item.turn, item.order)
+        spots = nesting.nest_shapes(shapes, item.width, item.height, item.gap, item.turn, item.order)
     except Failure:
         return None
     return nesting.fullness(shapes, spots, item.width)
@@ -66,7 +66,7 @@ def nest(
     import shapely
 
     from host_tools.cli.draw import machine_of
-    from host_tools.drawings.drawing import Options, shapes
+    from host_tools.drawings.drawing import Options, load_shapes
     from host_tools.workers import DIED, run_items, open_table
 
     if workers and dask:
@@ -75,7 +75,7 @@ def nest(
         raise Failure("one drawing is no nesting: give several, or one several times")
     if scale is not None and scale <= 0:
         raise Failure("--scale must be above 0")
-    found, (width, height) = shapes(file, machine_of(board, True)[0], Options(gap=gap, turn=turn, scale=scale, margin=margin, place=place))
+    found, (width, height) = load_shapes(file, machine_of(board, True)[0], Options(gap=gap, turn=turn, scale=scale, margin=margin, place=place))
     sent = tuple(shapely.to_wkb(found))
     items = (Try(order, sent, width, height, gap, turn) for order in range(tries))
     with open_table(out, _COLUMNS) as write:

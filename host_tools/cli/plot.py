@@ -24,7 +24,7 @@ def plot(
         passo plot job.csv -o job.png --order
         passo plot job.csv -o job.png --steps-per-mm 48,83
     """
-    from host_tools.drawings.plot import save, strokes_of_trace, title_of_trace
+    from host_tools.drawings.plot import save_picture, strokes_of_trace, title_of_trace
     from host_tools.sim.measure import read_trace
 
     scale = scale_of(steps_per_mm, board)
@@ -32,7 +32,7 @@ def plot(
     rows = read_trace(trace)
     table = None if steps_per_mm or drawn else _table_box(board)
     strokes = [stroke for stroke in strokes_of_trace(rows, scale) if stroke[0] or not drawn]
-    save(out, strokes, title_of_trace(trace.stem, rows), table, order=order)
+    save_picture(out, strokes, title_of_trace(trace.stem, rows), table, order=order)
     print(out)
 
 

@@ -98,14 +98,14 @@ def measure_board(board, raw, pins, report, json, picture, lines=False):
     if lines:
         print(reports.last_line(rows, header), flush=True)
     else:
-        reports.show(rows, header)
+        reports.print_report(rows, header)
     if report:
         with open(report, "w", encoding="utf-8") as file:
-            reports.show(rows, header, file)
+            reports.print_report(rows, header, file)
     if json:
         json.write_text(reports.as_json(rows, {"passo": version(), "board": raw["name"], "emulated": board.emulated}), encoding="utf-8")
     if picture:
-        reports.picture(picture, proof.timings)
+        reports.draw_picture(picture, proof.timings)
     return any(row.verdict == WORSE for row in rows)
 
 

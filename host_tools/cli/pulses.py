@@ -104,7 +104,7 @@ def play(
     if stream or back or begin is not None:
         _stream_file(file, repeat, speed, begin, back, port, baud, wait, log)
         return
-    data = pulse_file.load(file)
+    data = pulse_file.load_pulses(file)
     from host_tools.cli.pulses_panel import Panel
 
     from host_tools.cli.pulses_stream import tell_journal

@@ -51,11 +51,11 @@ def check(file: PulseFile, board: BoardName = BOARD, port: FilePort = None, baud
         passo pulses check square.txt
     """
     from host_tools.programs import pulse_file
-    from host_tools.programs.gcode_file import clock
+    from host_tools.programs.gcode_file import clock_text
 
     config, axes = _running_board(board, port, baud)
-    course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
-    print(_("commands {}, {} of them steps; {} ({:.1f} s)", course.commands, course.steps, clock(course.seconds), course.seconds))
+    course = pulse_file.Course(pulse_file.read_items(pulse_file.load_pulses(file), axes, config["step_program"], file), config)
+    print(_("commands {}, {} of them steps; {} ({:.1f} s)", course.commands, course.steps, clock_text(course.seconds), course.seconds))
     for number, axis in enumerate(config["axes"]):
         per_mm = axis["steps_per_m"] / 1000
         low, high, end = (place[number] / per_mm for place in (course.low, course.high, course.place))
@@ -101,15 +101,15 @@ def convert(
         from host_tools.programs.compensation import LEFT, RIGHT
 
         target = out
-        found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
+        found = pulse_file.read_items(pulse_file.load_pulses(file), axes, config["step_program"], file)
         beside = ({"left": LEFT, "right": RIGHT}[side], radius) if side else None
         text, counts = pulse_gcode.to_gcode(found, config, beside)
         _write_text(target, text)
         print(_("{} and {} of {}", *(count_text(counts[noun + "s"], noun) for noun in ("line", "arc", "step"))))
     else:
-        course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
+        course = pulse_file.Course(pulse_file.read_items(pulse_file.load_pulses(file), axes, config["step_program"], file), config)
         target = out or file.with_suffix(".png")
-        plot.save(target, course.strokes, file.stem)
+        plot.save_picture(target, course.strokes, file.stem)
     print(target)
 
 
@@ -144,9 +144,9 @@ def ramps(
     if not accel:
         raise Failure("board {} asks for no acceleration: step_program.accel_mm_s2 is 0; give --accel", board)
     target = out or file.with_name(f"{file.stem}_ramps{file.suffix}")
-    found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
+    found = pulse_file.read_items(pulse_file.load_pulses(file), axes, config["step_program"], file)
     text = with_ramps(found, config, accel)
-    made = pulse_file.items(text.encode(), axes, config["step_program"])
+    made = pulse_file.read_items(text.encode(), axes, config["step_program"])
     if not same_steps(found, made, len(axes)):
         raise Failure("the steps would not be the same: this is a fault of passo")
     _write_text(target, text)
@@ -166,7 +166,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
 
     config, axes = _load_board(board)
     drives = tool = False
-    for item in pulse_file.items(pulse_file.load(file), axes, config["step_program"], file):
+    for item in pulse_file.read_items(pulse_file.load_pulses(file), axes, config["step_program"], file):
         kind = 0 if item & 15 else item >> 4 & 15
         if kind == STEPS_DRIVES:
             drives = bool(item >> 8)
@@ -205,5 +205,5 @@ def example(
     per_mm = scale.pop() / 1000
     z_per_mm = config["axes"][-1]["steps_per_m"] / 1000
     target = out or Path(f"{shape}.txt")
-    _write_text(target, pulse_shapes.text(shape, per_mm, speed, round(down * z_per_mm)))
+    _write_text(target, pulse_shapes.shape_text(shape, per_mm, speed, round(down * z_per_mm)))
     print(target)

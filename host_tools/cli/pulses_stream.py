@@ -27,7 +27,7 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
         client.command("speed", speed)
     while True:
         announce_stream(client, file, number, backward, times)
-        chunks = file.backward(number) if backward else file.forward(number, times)
+        chunks = file.play_backward(number) if backward else file.play_forward(number, times)
         lead = file.lead_of(number, backward)
         with Panel(client) as panel:
 

@@ -20,13 +20,13 @@ def resume_program(file, port, baud, home, unverified, yes):
     from host_tools.programs import compiler, stored_job
 
     program = compiler.read(file)
-    compiler.tell(program)
+    compiler.print_notes(program)
     plain = program.listing is None
     lines = list(program.rows()) if plain else None
     with GrblClient(port, baud) as client:
         wait_until_settled(client)
-        lines = lines or list(compiler.fit(program, client.command("$I")).rows())
-        go_on(client, lines, file, stored_job.crc(stored_job.gcode_lines(lines)) if plain else 0, home, unverified, yes)
+        lines = lines or list(compiler.fit_to_machine(program, client.command("$I")).rows())
+        go_on(client, lines, file, stored_job.crc_of(stored_job.gcode_lines(lines)) if plain else 0, home, unverified, yes)
 
 
 def go_on(client, lines, name, stored, home, unverified, yes):

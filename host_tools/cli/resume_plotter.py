@@ -24,7 +24,7 @@ def resume_drawing(file, port, baud, home, unverified, yes):
         data = stored_job.plotter_job(file)
         objects, speed = drawing_progress.objects_of(data)
         machine = draw.load_plotter(_BOARD)
-        numbers = [stored_job.crc(data)]
+        numbers = [stored_job.crc_of(data)]
     if not objects:
         raise Failure("{} draws nothing", file)
     run(Console(), objects, machine, record, port, baud, speed, way, numbers=numbers)
@@ -34,7 +34,7 @@ def _load_drawing(file):
     """Return (objects, board, Journal, speed) of a drawing, with the options that it was begun with. Raises Failure."""
     from host_tools.drawings import drawing
 
-    place = Journal.beside(file)
+    place = Journal.path_beside(file)
     said = Journal.options_of(place)
     machine = draw.load_plotter(said.get("board", _BOARD))
     most = said.get("points", _POINTS)

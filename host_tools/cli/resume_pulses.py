@@ -34,7 +34,7 @@ def resume_pulse_file(file, port, baud, home, unverified, yes):
         number, times, backward = start_of_rest(record, source)
         way = _(", backward") if backward else _(", {} times to go", times) if times > 1 else ""
         print(_("{}: interrupted before command {}", file, number) + way)
-        find_zero(record.known, home, unverified, client.home)
+        find_zero(record.is_known, home, unverified, client.home)
         if client.status()["state"] == "alarm":  # the host was lost, and it came to a stand: where it is remains known
             client.command("stop")  # behind a halting input it is unlocked only then
             client.command("unlock")
@@ -48,7 +48,7 @@ def resume_pulse_file(file, port, baud, home, unverified, yes):
             raise Failure("stopped by Ctrl-C") from None
         with Panel(client) as panel:
             status = panel.follow_run(True)
-        done = _("{}: done, unverified", file) if unverified and not record.known else _("{}: done", file)
+        done = _("{}: done, unverified", file) if unverified and not record.is_known else _("{}: done", file)
         print(f"{done}; {status_text(status)}")
 
 
@@ -105,7 +105,7 @@ def _go_to_start(client, source, number, position, yes):
     position = position[:axes]
     top = here[-1]
     if axes == 3:
-        top = max(top, position[2] - source.seek(number).place[2] + source.highest(), position[2])
+        top = max(top, position[2] - source.seek(number).place[2] + source.highest_steps(), position[2])
         jog_by(client, (0, 0, top - here[2]))
     across = [to - at for to, at in zip(position, here)]
     if axes == 3:

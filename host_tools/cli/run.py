@@ -29,7 +29,7 @@ def create_jobs(out):
     """Return {name: list of objects} to draw; write the contour map's SVG to the folder `out`."""
     found = {name: [points] for name, points in objects.objects().items()}
     svg = out / "contours.svg"
-    contours.save(svg)
+    contours.save_contours(svg)
     found["contours"] = drawing.load(svg, boards.load(BOARD), drawing.Options(center=True)).objects(POINTS_PER_OBJECT)
     return found
 
@@ -85,7 +85,7 @@ def main():
             rows = read_trace(trace)
             points = [point for points in job for point in points]
             result = measure_drawing(rows, points)
-            plot.save(out / f"{name}.png", plot.strokes_of_trace(rows[result.first :], scale), name)
+            plot.save_picture(out / f"{name}.png", plot.strokes_of_trace(rows[result.first :], scale), name)
         if result.deviation > LARGEST_DEVIATION:
             result.faults.append(_("strays {:.3f} steps from its line", result.deviation))
         faults += [f"{name}: {fault}" for fault in result.faults]

@@ -73,10 +73,10 @@ def _job_row(client, fields):
         options = "".join(line.split(",")[0] for line in client.command("$I") if line.startswith("[OPT:"))
         if "J" not in options:
             return []
-        record = Record.of(client.command("$JR"))
+        record = Record.of_answer(client.command("$JR"))
         if not record.job or not record.line:
             return []
-        name, last = program_names.find(record.job)
+        name, last = program_names.name_of_number(record.job)
         if not name and "F" in options:
             name = stored_job.name_by_crc(client.command("$F"), record.job)
     except Refused:

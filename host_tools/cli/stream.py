@@ -84,17 +84,17 @@ def stream(
     program = compiler.read(file, dialect, tools)
     flat.leave_out_z(program, drop_z, z_pen)
     lines = list(program.rows())
-    compiler.tell(program)
+    compiler.print_notes(program)
     if not allow_settings:
         ask_settings(lines, program.origin)
     with GrblClient(port or ports.only_port(), baud, timeout, log) as client:
         flat.refuse_z(program, program.flat and any(line.startswith("$102=") for line in client.command("$$")))
         make_ready(client, home, unlock)
-        fitted = compiler.fit(program, client.command("$I") if program.listing else (), tools)
+        fitted = compiler.fit_to_machine(program, client.command("$I") if program.listing else (), tools)
         if fitted is not program:
             program, lines = fitted, list(fitted.rows())
         seconds, count = _send_program(client, program, lines, flow == "count", first, yes)
-        print(_("{}: {} in {}", file, count_text(count, "line"), gcode_file.clock(seconds)))
+        print(_("{}: {} in {}", file, count_text(count, "line"), gcode_file.clock_text(seconds)))
 
 
 def _send_program(client, program, lines, count, first, yes):
@@ -134,7 +134,7 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
     announce_program(client, lines, name)
     zero = next((line for line in client.command("$#") if line.startswith("[G54:")), "[G54:?]")
     limits = gcode_time.Limits.of_settings(client.command("$$"))
-    with Panel(client, lines, gcode_time.estimate(lines, limits), origin, keep) as panel:
+    with Panel(client, lines, gcode_time.estimate_seconds(lines, limits), origin, keep) as panel:
         try:
             for number in client.stream(lines, count, panel.poll_keys, True, origin):
                 panel.count_line(number)
@@ -342,15 +342,15 @@ class Panel:
 
     def progress_text(self):
         """Return the line beside the bar: share, line, state, position, link's rate, time gone and left, keys."""
-        from host_tools.programs.gcode_file import clock
+        from host_tools.programs.gcode_file import clock_text
 
         status = self._client.status
         done = bisect.bisect_left(self._numbers, self._line)
         gone = self.moving_s()
-        left = clock(self._remaining.at(done, gone))
+        left = clock_text(self._remaining.seconds_left(done, gone))
         place = status.get("MPos") or status.get("WPos") or ""
         keys = _("PAUSED: r resumes, a aborts") if self._paused_at is not None else _("p pause, a abort")
-        times = _("{} gone, {} left", clock(gone), left)
+        times = _("{} gone, {} left", clock_text(gone), left)
         full = self._client.full
         link = _("{:.0f} lines/s", self.lines_per_s()) + ("" if full is None else ", " + _("queue {:.0%}", full))
         return f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  {link}  {times}  ({keys})"

@@ -1,6 +1,6 @@
 """A real drawing: the contour map of the elevation model that ships inside matplotlib, saved as SVG by matplotlib.
 
-    save("out/contours.svg")
+    save_contours("out/contours.svg")
 
 The model, jacksboro_fault_dem, is the Jacksboro fault in Tennessee at 3 arc seconds, 403 by 344 heights in metres.
 """
@@ -13,7 +13,7 @@ _SMOOTHING = 5  # passes over the heights: a pen half a millimetre wide cannot f
 _SHORTEST_MM = 6.0  # closed lines shorter than this are boulders, not relief
 
 
-def save(path):
+def save_contours(path):
     """Write the map, about 258 × 275 mm, to `path`."""
     import numpy
     from contourpy import contour_generator
@@ -22,7 +22,7 @@ def save(path):
     from host_tools.figures import pyplot
 
     with get_sample_data("jacksboro_fault_dem.npz") as model:
-        heights = _smooth(model["elevation"].astype(float))
+        heights = _smooth_heights(model["elevation"].astype(float))
         middle = math.radians(float(model["ymin"] + model["ymax"]) / 2)
     rows, columns = heights.shape
     width_mm = HEIGHT_MM * columns / rows * math.cos(middle)
@@ -42,7 +42,7 @@ def save(path):
         plt.close(figure)
 
 
-def _smooth(heights):
+def _smooth_heights(heights):
     """Binomial smoothing, edges repeated."""
     import numpy
 

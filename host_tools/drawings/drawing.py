@@ -22,9 +22,9 @@ from shapely.affinity import affine_transform
 
 from host_tools import boards
 from host_tools.drawings import hatch, layout, placement, sources, svg_area
-from host_tools.drawings.line_order import join, join_in_order, travel
+from host_tools.drawings.line_order import join, join_in_order, travel_length
 from host_tools.drawings.page import move_lines
-from host_tools.drawings.placement import MM_PER_PX, Options, percent  # noqa: F401
+from host_tools.drawings.placement import MM_PER_PX, Options, percent_text  # noqa: F401
 from host_tools.drawings.shorter import shorten
 from host_tools.failure import Failure
 from host_tools.language import N_, _
@@ -69,14 +69,14 @@ class Drawing:
     def objects(self, most):
         """The drawing cut into objects of at most `most` points, each [(pen_down, x, y), ...] and begun by a MOVE. A part
         begins a new one."""
-        return [points for part in self.parts for points in _cut(part.lines, most)]
+        return [points for part in self.parts for points in _cut_objects(part.lines, most)]
 
-    def changes(self, most):
+    def part_starts(self, most):
         """{index of an object: the Part that begins with it}, but of the first part."""
         first, found = 0, {}
         for part in self.parts:
             found[first] = part
-            first += len(_cut(part.lines, most))
+            first += len(_cut_objects(part.lines, most))
         found.pop(0, None)
         return found
 
@@ -84,7 +84,7 @@ class Drawing:
         """64 hex digits that are equal if and only if the objects of points are."""
         return hashlib.sha256(json.dumps(self.objects(most)).encode()).hexdigest()
 
-    def points(self):
+    def count_points(self):
         return sum(len(line) for line in self.lines)
 
     def lengths_mm(self):
@@ -92,16 +92,16 @@ class Drawing:
         down = up = 0.0
         place = (0, 0)
         for line in self.lines:
-            up += self._mm(place, line[0])
-            down += sum(self._mm(a, b) for a, b in zip(line, line[1:]))
+            up += self._distance_mm(place, line[0])
+            down += sum(self._distance_mm(a, b) for a, b in zip(line, line[1:]))
             place = line[-1]
         return down, up
 
-    def _mm(self, a, b):
+    def _distance_mm(self, a, b):
         return math.hypot((b[0] - a[0]) / self.steps_per_mm[0], (b[1] - a[1]) / self.steps_per_mm[1])
 
 
-def _cut(lines, most):
+def _cut_objects(lines, most):
     cut = [[]]
     for line in lines:
         if len(cut[-1]) + len(line) > most and len(line) <= most:
@@ -128,17 +128,17 @@ def load(path, board, options=None, progress=None):
         raise Failure("--scale must be above 0")
     progress(N_("reading"), 0.0)
     paths = [path] if isinstance(path, (str, Path)) else list(path)
-    sheets = [_sheet(each, board, options, progress, len(paths) > 1) for each in paths]
+    sheets = [_place_file(each, board, options, progress, len(paths) > 1) for each in paths]
     sheet = sheets[0] if len(sheets) == 1 else layout.nest_sheets(sheets, placement.table_mm(board), options)
     rules = hatch.parse_rules(options.hatch)
     for number, areas in sheet.fills.items():
         rule = rules.get(number, rules.get(0))
         if rule and areas:
             sheet.layers.setdefault(number, []).extend(hatch.hatch_lines(areas, rule))
-    layout.copy(sheet, options)
+    layout.copy_sheet(sheet, options)
     box = placement.box_of(sheet.layers.values())
     if options.marks:
-        layout.mark(sheet, box, placement.table_mm(board))
+        layout.add_marks(sheet, box, placement.table_mm(board))
     layout.check_room(sheet, placement.table_mm(board), boards.steps_per_mm(board))
     steps_per_mm, most = boards.steps_per_mm(board), boards.travel_steps(board)
     numbers = sorted(number for number, lines in sheet.layers.items() if lines)
@@ -150,25 +150,25 @@ def load(path, board, options=None, progress=None):
     )  # fmt: skip
 
 
-def shapes(paths, board, options):
+def load_shapes(paths, board, options):
     """The shapes of several drawings to nest: (shapes, (width, height) of the room for them). Raises Failure."""
-    found = [layout.shape_of(_sheet(path, board, options, lambda text, share: None, True)) for path in paths]
-    return found, layout.room(placement.table_mm(board), options)[1]
+    found = [layout.shape_of(_place_file(path, board, options, lambda text, share: None, True)) for path in paths]
+    return found, layout.room_mm(placement.table_mm(board), options)[1]
 
 
-def _sheet(path, board, options, progress, several):
+def _place_file(path, board, options, progress, several):
     """One file, positioned on the table; of several each by itself, at 0;0."""
     file = sources.open_drawing(path)
     factor = options.scale or 1.0
     if options.place == "page" and options.fit and options.scale is None and not several:
         factor = placement.fit_factor((0.0, 0.0, *file.size_px), board, options)
-    page = _read(file, path, factor, options, progress)
+    page = _read_page(file, path, factor, options, progress)
     if several:
         place = placement.Alone(page, options)
     else:
         place = placement.Placement(page, board, options)
         if place.factor > factor:
-            page = _read(file, path, place.factor, options, progress)
+            page = _read_page(file, path, place.factor, options, progress)
             place = placement.Placement(page, board, options)
     names = {number: page.names.get(number) for number in sorted(page.layers)}
     chosen = _select_layers(page, path, options)
@@ -187,7 +187,7 @@ def _sheet(path, board, options, progress, several):
     )  # fmt: skip
 
 
-def _read(file, path, factor, options, progress):
+def _read_page(file, path, factor, options, progress):
     """The page, cropped; curves as fine as `options.tolerance` after scaling by `factor`."""
     deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
     page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share), options.pens == "colours", bool(options.hatch), options.unseen)
@@ -196,29 +196,29 @@ def _read(file, path, factor, options, progress):
         raise Failure("{}: nothing to draw: {}", path, _why_empty(page))
     if options.crop:
         progress(N_("cropping"), 0.0)
-        whole = _length(page.layers)
-        page.layers = {number: _crop(lines, page.size_px) for number, lines in page.layers.items()}
+        whole = _total_length(page.layers)
+        page.layers = {number: _crop_lines(lines, page.size_px) for number, lines in page.layers.items()}
         sheet = svg_area.rectangle(0, 0, *page.size_px)
         page.fills = {number: [area.intersection(sheet) for area in areas] for number, areas in page.fills.items()}
         page.layers = {number: lines for number, lines in page.layers.items() if lines or page.fills.get(number)}
-        page.lost_mm = (whole - _length(page.layers)) * MM_PER_PX
+        page.lost_mm = (whole - _total_length(page.layers)) * MM_PER_PX
         if not any(page.layers.values()):
             raise Failure("{}: nothing to draw: all of it lies outside the page (--no-crop draws it)", path)
     return page
 
 
-def _crop(lines, size_px):
+def _crop_lines(lines, size_px):
     """The parts of lines on the page; lines outside by less than _EDGE_MM are moved onto its edge."""
     edge, (width, height) = _EDGE_MM / MM_PER_PX, size_px
     if lines:
         left, top, right, bottom = placement.box_of([lines])
         if left >= 0 and top >= 0 and right <= width and bottom <= height:
             return lines
-    inside = svg_area.clip(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
+    inside = svg_area.clip_lines(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
     return move_lines(inside, lambda places: numpy.clip(places.real, 0, width) + 1j * numpy.clip(places.imag, 0, height))
 
 
-def _length(layers):
+def _total_length(layers):
     every = [line for lines in layers.values() for line in lines]
     if not every:
         return 0.0
@@ -276,24 +276,24 @@ def _order_layers(layers, options, progress):
     before_mm, old = 0.0, 0j
     count, done = sum(map(len, layers)), 0
     for lines in layers:
-        before_mm += travel(lines, old)
+        before_mm += travel_length(lines, old)
         old = lines[-1][-1]
         progress(N_("ordering"), done / count)
-        thin = _simplify(join_in_order(lines, _JOIN_MM) if options.keep_order else join(lines, _JOIN_MM), options.tolerance / 2)
-        thin = [_repeat(line, options.repeat) for line in thin] if options.repeat > 1 else thin
+        thin = _simplify_lines(join_in_order(lines, _JOIN_MM) if options.keep_order else join(lines, _JOIN_MM), options.tolerance / 2)
+        thin = [_repeat_line(line, options.repeat) for line in thin] if options.repeat > 1 else thin
         if not options.keep_order:
 
-            def report(share, done=done, size=len(lines)):
+            def report_share(share, done=done, size=len(lines)):
                 progress(N_("ordering"), (done + (_JOINING + (1 - _JOINING) * share) * size) / count)
 
-            thin = shorten(thin, pen, report)
+            thin = shorten(thin, pen, report_share)
         ordered.append(thin)
         pen = thin[-1][-1]
         done += len(lines)
     return ordered, before_mm
 
 
-def _simplify(lines, tolerance):
+def _simplify_lines(lines, tolerance):
     """Remove the points that lie within `tolerance` of the line through their neighbours (Douglas and Peucker, by shapely). Returns the lines.
     Of a long line each _PIECE-th point stays."""
     long = [number for number, line in enumerate(lines) if len(line) > 2]
@@ -314,7 +314,7 @@ def _simplify(lines, tolerance):
     return lines
 
 
-def _repeat(line, times):
+def _repeat_line(line, times):
     """A line gone along several times: a closed one round and round, any other there and back."""
     closed = line[0] == line[-1]
     ways = [line if closed or index % 2 == 0 else line[::-1] for index in range(times)]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy
 
-from host_tools.drawings.dxf_repair import repair, section_cut_off
+from host_tools.drawings.dxf_repair import repair_tags, section_cut_off
 from host_tools.drawings.page import Page
 from host_tools.failure import Failure, reason
 from host_tools.language import _
@@ -44,7 +44,7 @@ def is_dxf(first):
     return len(lines) > 1 and lines[0] == b"0" and lines[1] == b"SECTION"
 
 
-def _unit(header):
+def _unit_mm(header):
     """(mm of the file's unit, [a sentence if it names none])."""
     named = _MM.get(header.get("$INSUNITS", 0))
     if named:
@@ -54,7 +54,7 @@ def _unit(header):
     return 1.0, [_("the file names no unit ($INSUNITS): mm are taken; if it is in inches, --scale {:g}", _INCH)]
 
 
-def _read(path):
+def _read_document(path):
     """ezdxf's document. Raises what ezdxf does."""
     import ezdxf
     from ezdxf import recover
@@ -71,7 +71,7 @@ def _read(path):
     try:
         return recover.read(io.BytesIO(data))[0]
     except DXFError:
-        better = repair(data)
+        better = repair_tags(data)
         if better is None:
             raise
         return recover.read(io.BytesIO(better))[0]
@@ -85,28 +85,28 @@ class DxfFile:
         self._path = path
         logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
         try:
-            self._document = _read(path)
+            self._document = _read_document(path)
         except FileNotFoundError as error:
             raise Failure("no file {}", path) from error
         except (OSError, DXFError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
             raise Failure("{} is not a DXF file that can be read: {}", path, reason(error)) from error
-        self._mm, self._unit_note = _unit(self._document.header)
-        self._prepare()
+        self._mm, self._unit_note = _unit_mm(self._document.header)
+        self._mend_document()
         # As fine as most drawings are wanted: outlines() need not draw it anew then.
         self._fineness = _FIRST_MM / self._mm
-        self._first = self._draw(self._fineness, False)
-        left, bottom, right, top = self._box(self._first)
+        self._first = self._draw_document(self._fineness, False)
+        left, bottom, right, top = self._box_of(self._first)
         size, far = max(right - left, top - bottom), max(map(abs, (left, bottom, right, top)))
         # A survey lies far from its zero.
         if not (size * self._mm < _FARTHEST_MM and (far * self._mm < _FARTHEST_MM or far < _EXACT * size)):
             raise Failure("{}: {} mm is too far away for a drawing", path, far * self._mm)
-        self.size_px = self._size((left, bottom, right, top))
+        self.size_px = self._size_px((left, bottom, right, top))
 
-    def _prepare(self):
+    def _mend_document(self):
         from host_tools.drawings import dxf_entities
 
         try:
-            dxf_entities.mend(self._document)
+            dxf_entities.mend_document(self._document)
             dxf_entities.check_size(self._document)
         except dxf_entities.TooMany as error:
             raise Failure(
@@ -116,12 +116,12 @@ class DxfFile:
             raise Failure("{}: its numbers cannot be drawn: {}", self._path, reason(error)) from error
 
     @staticmethod
-    def _box(drawn):
+    def _box_of(drawn):
         """Left, bottom, right, top of all lines, in the file's units."""
         places = numpy.concatenate([line for inks in drawn.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
         return places.real.min(), places.imag.min(), places.real.max(), places.imag.max()
 
-    def _size(self, box):
+    def _size_px(self, box):
         return tuple(max(_LEAST_PX, side * self._mm * _MM_PX) for side in (box[2] - box[0], box[3] - box[1]))
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
@@ -131,9 +131,9 @@ class DxfFile:
         scale = self._mm * _MM_PX
         drawn, self._first = self._first, None
         if drawn is None or fills or not 0.5 < self._fineness * scale / deviation_px < 1.001:
-            drawn = self._draw(deviation_px / scale, fills)
-        left, bottom, *_others = box = self._box(drawn)
-        page = Page(self._size(box), by_colour=by_colour)
+            drawn = self._draw_document(deviation_px / scale, fills)
+        left, bottom, *_others = box = self._box_of(drawn)
+        page = Page(self._size_px(box), by_colour=by_colour)
         page.left_out = drawn.left_out
         page.notes += self._unit_note
         height = page.size_px[1]
@@ -141,10 +141,10 @@ class DxfFile:
             for ink in drawn.inks[name]:
                 ink.lines = [(line.real - left) * scale + 1j * (height - (line.imag - bottom) * scale) for line in ink.lines]
                 ink.areas = [affine_transform(area, [scale, 0, 0, -scale, -left * scale, height + bottom * scale]) for area in ink.areas]
-            page.add(number, name, drawn.inks[name])
+            page.add_inks(number, name, drawn.inks[name])
         return page
 
-    def _draw(self, deviation, fills):
+    def _draw_document(self, deviation, fills):
         from ezdxf.addons.drawing.config import Configuration, HatchPolicy, ImagePolicy, TextPolicy
 
         from host_tools.drawings.dxf_backend import Backend, Frontend

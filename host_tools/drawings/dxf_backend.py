@@ -96,7 +96,7 @@ class Backend(Base):
         self.left_out = Counter()
         self._background = None
 
-    def _add(self, properties, lines, areas=()):
+    def _add_ink(self, properties, lines, areas=()):
         given = [line for line in lines if len(line) > 1]
         lines = [line for line in given if numpy.isfinite(line).all()]
         self.count += len(given) + len(areas)
@@ -105,17 +105,17 @@ class Backend(Base):
         if lines or areas:
             self.inks.setdefault(properties.layer, []).append(Ink(properties.color[:7], lines, list(areas)))
 
-    def _area(self, lines, rule, properties):
+    def _add_area(self, lines, rule, properties):
         """Closed `lines` and what they enclose; in the background's colour, as a wipeout is, they cover what was drawn before."""
         if properties.color != self._background:
-            self._add(properties, lines, [svg_area.fill_area(lines, rule)] if self._fills and lines else ())
+            self._add_ink(properties, lines, [svg_area.fill_area(lines, rule)] if self._fills and lines else ())
         elif lines:
             covered = svg_area.fill_area(lines, rule)
             for ink in (ink for inks in self.inks.values() for ink in inks):
                 ink.lines = svg_area.subtract_area(ink.lines, covered)
                 ink.areas = [shapely.difference(area, covered) for area in ink.areas]
 
-    def _flat(self, path):
+    def _flatten_path(self, path):
         """The lines of a path that may have several parts."""
         lines = []
         for part in path.to_path().sub_paths() if hasattr(path, "to_path") else path.sub_paths():
@@ -127,25 +127,25 @@ class Backend(Base):
     # --- called by the add-on; those that pass have nothing to do here
 
     def draw_point(self, pos, properties):
-        self._add(properties, [numpy.array([complex(pos.x, pos.y)] * 2)])
+        self._add_ink(properties, [numpy.array([complex(pos.x, pos.y)] * 2)])
 
     def draw_line(self, start, end, properties):
-        self._add(properties, [numpy.array([complex(start.x, start.y), complex(end.x, end.y)])])
+        self._add_ink(properties, [numpy.array([complex(start.x, start.y), complex(end.x, end.y)])])
 
     def draw_solid_lines(self, lines, properties):
-        self._add(properties, [numpy.array([complex(a.x, a.y), complex(b.x, b.y)]) for a, b in lines])
+        self._add_ink(properties, [numpy.array([complex(a.x, a.y), complex(b.x, b.y)]) for a, b in lines])
 
     def draw_path(self, path, properties):
-        self._add(properties, self._flat(path))
+        self._add_ink(properties, self._flatten_path(path))
 
     def draw_filled_paths(self, paths, properties):
-        lines = [line for path in paths for line in self._flat(path)]
+        lines = [line for path in paths for line in self._flatten_path(path)]
         lines = [line if line[0] == line[-1] else numpy.append(line, line[0]) for line in lines]
-        self._area(lines, "evenodd", properties)
+        self._add_area(lines, "evenodd", properties)
 
     def draw_filled_polygon(self, points, properties):
         line = numpy.array([complex(place.x, place.y) for place in points.vertices()])
-        self._area([numpy.append(line, line[0])], "nonzero", properties)
+        self._add_area([numpy.append(line, line[0])], "nonzero", properties)
 
     def draw_image(self, image_data, properties):
         pass

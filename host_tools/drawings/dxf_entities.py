@@ -1,6 +1,6 @@
 """Entities of a DXF document as other programs show them, where ezdxf would draw something else.
 
-    mend(document)
+    mend_document(document)
     check_size(document)        # raises TooMany: blocks in blocks and arrays multiply
 
 A spline whose knots begin or end outside its domain is cut to it (de Boor's knots by Boehm's insertion, The NURBS Book, A5.1). The frame of a
@@ -20,7 +20,7 @@ class TooMany(ValueError):
     """Its text is the name of a block that is too much to draw."""
 
 
-def mend(document):
+def mend_document(document):
     for entity in document.entitydb.values():
         if isinstance(entity, Insert) and not entity.dxf.zscale:
             entity.dxf.zscale = 1.0  # of a flat block: ezdxf would divide by it
@@ -106,7 +106,7 @@ def check_size(document):
     def of_layout(layout, inside=()):
         total = 0
         for entity in layout:
-            count = _weight(entity)
+            count = _weight_of(entity)
             if isinstance(entity, Insert):
                 count = max(1, entity.mcount) * (1 + of_block(entity.dxf.name, inside) + len(entity.attribs))
             elif entity.dxf.hasattr("geometry"):
@@ -117,11 +117,11 @@ def check_size(document):
         return total
 
     space = document.modelspace()
-    if of_layout(space) - sum(map(_weight, space)) > _MOST:
+    if of_layout(space) - sum(map(_weight_of, space)) > _MOST:
         raise TooMany(next(entity.dxf.name for entity in space if isinstance(entity, Insert)))
 
 
-def _weight(entity):
+def _weight_of(entity):
     """How many simple entities take as long."""
     if entity.dxftype() in ("TEXT", "MTEXT", "ATTRIB"):
         return 1 + len(entity.dxf.get("text", "")) // _LETTERS

@@ -1,7 +1,7 @@
 """DXF files that ezdxf refuses: old Inkscape's, without a header, splines without their subclass, one handle for all entities; and those that
 it reads as empty, because they are cut off.
 
-    repair(data)          # bytes of a text DXF -> bytes that ezdxf.recover reads, or None if they are no tags
+    repair_tags(data)          # bytes of a text DXF -> bytes that ezdxf.recover reads, or None if they are no tags
     section_cut_off(data)   # the name of the section amid which the file ends, or None
 """
 
@@ -14,7 +14,7 @@ _SUBCLASS = [(b"100", b"AcDbEntity"), (b"100", b"AcDbSpline")]
 _BODY = (b"210", b"70", b"71")  # codes that a spline's own data begin with
 
 
-def repair(data):
+def repair_tags(data):
     lines = [line.strip() for line in data.splitlines()]
     tags = [tag for tag in zip(lines[::2], lines[1::2]) if tag[0] != b"999"]
     if not tags or (b"2", b"HEADER") in tags:

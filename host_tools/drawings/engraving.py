@@ -2,7 +2,7 @@
 
     options = Options(width_mm=60, dots_mm=10, shade="jarvis")
     powers = powers_of(open_picture("photo.jpg"), options)      # numpy, 0 to 1, the lowest row first
-    lines = gcode(rows_of(powers, options, machine), options, machine)
+    lines = gcode_lines(rows_of(powers, options, machine), options, machine)
 
 A row runs along X at one speed. The head reaches that speed before the first dot and slows down behind the last one: the length of that,
 the overscan, is computed from speed and acceleration. Dots of one power side by side are one line. Blank rows are left out, and long
@@ -35,7 +35,7 @@ MOST_DOTS = 40_000_000
 MOST_PIXELS = 20_000_000  # of a picture as it is read: up to 5 bytes each
 Image.MAX_IMAGE_PIXELS = None  # pillow's own bound: it would refuse a large JPEG, too, and without a word of what to do
 _BAND = 256  # rows of a picture at once
-number = partial(toolpath.number, decimals=3)
+number = partial(toolpath.number_text, decimals=3)
 # How a dot's error is shared, in parts of the first number: (dx, dy, parts)
 _FLOYD = 16, ((1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1))
 _JARVIS = 48, (
@@ -160,7 +160,7 @@ def open_picture(path):
             if not picture.has_transparency_data:
                 return picture.convert("L")
             grey = Image.new("L", picture.size, "white")
-            for part in _bands(picture):
+            for part in _row_bands(picture):
                 colours = picture.crop(part).convert("RGBA")
                 grey.paste(colours.convert("L"), part, colours.getchannel("A"))
             return grey
@@ -171,7 +171,7 @@ def open_picture(path):
         raise Failure("{} cannot be read as a picture: {}", path, reason(error)) from None
 
 
-def _bands(picture):
+def _row_bands(picture):
     """Boxes of rows, from above: a copy of the whole in another mode takes as much memory as the picture."""
     for top in range(0, picture.height, _BAND):
         yield 0, top, picture.width, min(top + _BAND, picture.height)
@@ -181,7 +181,7 @@ def _of_numbers(picture):
     """Grey of a picture of larger numbers, from its least to its largest."""
     low, high = picture.getextrema()
     grey = Image.new("L", picture.size)
-    for part in _bands(picture):
+    for part in _row_bands(picture):
         values = np.asarray(picture.crop(part), np.float64)
         grey.paste(Image.fromarray(((values - low) / max(1e-9, high - low) * 255).astype(np.uint8)), part)
     return grey
@@ -225,9 +225,9 @@ def powers_of(picture, options, progress=None):
     if options.shade == "threshold":
         dark = (dark >= options.threshold).astype(np.float64)
     elif options.shade == "floyd":
-        dark = diffuse(dark, *_FLOYD, progress)
+        dark = diffuse_dots(dark, *_FLOYD, progress)
     elif options.shade == "jarvis":
-        dark = diffuse(dark, *_JARVIS, progress)
+        dark = diffuse_dots(dark, *_JARVIS, progress)
     else:
         dark = np.round(dark * options.greys) / options.greys
     return powers_of_darkness(dark, options)
@@ -243,7 +243,7 @@ def powers_of_darkness(dark, options):
     return np.where(dark > 0, options.least + wanted * (options.power - options.least), 0.0)
 
 
-def diffuse(dark, parts, shares, progress=None):
+def diffuse_dots(dark, parts, shares, progress=None):
     """Dots, 1 or 0, whose mean is that of `dark` everywhere: each dot's error goes to those that follow. Rows in turn from the left and
     from the right, so that no pattern leans."""
     height, width = dark.shape
@@ -263,7 +263,7 @@ def diffuse(dark, parts, shares, progress=None):
     return out
 
 
-def overscan(options, machine):
+def overscan_length(options, machine):
     """mm before and behind a row, in which the head speeds up and slows down: v² / 2a, and a tenth."""
     if options.overscan_mm is not None:
         return options.overscan_mm
@@ -290,24 +290,24 @@ def rows_of(powers, options):
     return rows
 
 
-def bounds(rows, options, machine):
+def bounds_mm(rows, options, machine):
     """Left, bottom, right, top that the head reaches, overscan included. Raises Failure if nothing burns."""
     if not rows:
         raise Failure("nothing burns: the picture is white by --white, --threshold or --invert")
-    over = overscan(options, machine)
+    over = overscan_length(options, machine)
     ends = [x for row in rows for x in (row.begin, row.end)]
     return min(ends) - over, rows[0].y, max(ends) + over, rows[-1].y
 
 
-def gcode(rows, options, machine):
+def gcode_lines(rows, options, machine):
     """Lines of G-code, as text. S0 in all that is no dot: the laser is dark in ramps, turns and at the end."""
-    left, bottom, right, top = bounds(rows, options, machine)
+    left, bottom, right, top = bounds_mm(rows, options, machine)
     yield "G21 G90 G17 G94"
     yield "M5 S0"
     if options.air:
         yield "M8"
     if options.frame is not None:
-        over = overscan(options, machine)
+        over = overscan_length(options, machine)
         corners = (left + over, bottom), (right - over, bottom), (right - over, top), (left + over, top), (left + over, bottom)
         yield f"G0 X{number(corners[0][0])} Y{number(corners[0][1])}"
         yield f"M3 S{number(options.frame * machine.full)}"
@@ -329,13 +329,13 @@ def gcode(rows, options, machine):
 
 def row_lines(row, options, machine):
     """The lines of one row."""
-    over = overscan(options, machine) * (-1 if row.backward else 1)
+    over = overscan_length(options, machine) * (-1 if row.backward else 1)
     yield f"G0X{number(row.begin - over)}Y{number(row.y)}"
     yield f"G1X{number(row.begin)}S0"
     mode = ""
     dots = []  # powers of equally long dots up to `reached`, which will be one line
 
-    def line():
+    def flush_dots():
         made = [f"{mode}X{number(reached)}S{'=' + ''.join(dots) if machine.packed else ':'.join(dots)}"] if dots else []
         dots.clear()
         return made
@@ -344,29 +344,29 @@ def row_lines(row, options, machine):
         count = round(abs(end - begin) * options.dots_mm)
         rapid = power == 0 and is_rapid(abs(end - begin), options, machine)
         if rapid or count > machine.cluster:
-            for each in line():
+            for each in flush_dots():
                 yield each
                 mode = ""
-            yield f"G0X{number(end)}" if rapid else f"{mode}X{number(end)}S{level(power, machine)}"
+            yield f"G0X{number(end)}" if rapid else f"{mode}X{number(end)}S{power_word(power, machine)}"
             mode = "G1" if rapid else ""
             continue
         for dot in range(count):
             reached = begin + (end - begin) * (dot + 1) / count
-            dots.append(pack_power(power) if machine.packed else level(power, machine))
+            dots.append(pack_power(power) if machine.packed else power_word(power, machine))
             if len(dots) == machine.cluster or not machine.packed and len(":".join(dots)) + len(dots[-1]) >= _ROW_CHARACTERS:
-                yield from line()
+                yield from flush_dots()
                 mode = ""
-    yield from line()
+    yield from flush_dots()
     yield f"X{number(row.end + over)}S0"
 
 
 def powers_s(rows, options, machine):
     """(powers a second that the densest row wants, those that a link brings)."""
-    def count(row):
+    def count_numbers(row):
         dots = abs(np.diff(row.cuts))
         return int(np.where(dots <= machine.cluster, dots, 1).sum())
 
-    rates = (count(row) / max(1e-9, abs(row.end - row.begin)) for row in rows)
+    rates = (count_numbers(row) / max(1e-9, abs(row.end - row.begin)) for row in rows)
     return max(rates) * options.speed / 60, PACKED_S if machine.packed else DOTS_S if machine.cluster else LINES_S
 
 
@@ -386,7 +386,7 @@ def pack_power(power):
     return chr(64 + (value >> 5)) + chr(64 + (value & 31))
 
 
-def level(power, machine):
+def power_word(power, machine):
     """The S of a power, 0 to 1 of full power: whole numbers, unless full power is a small one."""
     value = min(power, 1.0) * machine.full
     return str(round(value)) if machine.full >= 100 else number(value)
@@ -395,7 +395,7 @@ def level(power, machine):
 # --- the test card
 
 
-def card(options):
+def draw_card(options):
     """A picture of patches of 0 to 100 % of the power, with their figures: (picture, options for it). The frame is the card's edge."""
     width = options.width_mm or 90.0
     options.width_mm, options.height_mm = width, width / CARD_PATCHES * 2

@@ -1,6 +1,6 @@
 """A film of a trace: the path as it grows, the tool, time and speed; GIF or MP4.
 
-    trace = load("job.csv")                             # a trace of passo board --trace, as arrays
+    trace = load_moves("job.csv")                             # a trace of passo board --trace, as arrays
     write("job.gif", trace, (10, 10), seconds=20)
 
 Frames are drawn one on the other, so a film takes as long as its path and its frames, not their product.
@@ -32,7 +32,7 @@ class Moves:
     tool: np.ndarray
 
 
-def load(path):
+def load_moves(path):
     """The Moves of a trace CSV. Raises Failure with the line that is wrong."""
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
@@ -41,15 +41,15 @@ def load(path):
             try:
                 rows = np.loadtxt(file, delimiter=",", ndmin=2)
             except ValueError as error:
-                raise Failure("{}: {}: not a row of a trace", path, _where(path)) from error
+                raise Failure("{}: {}: not a row of a trace", path, _first_wrong_line(path)) from error
     except OSError as error:
         raise Failure("cannot read trace {}: {}", path, reason(error)) from error
     if rows.shape[0] < 2 or rows.shape[1] != 6 or not np.isfinite(rows).all():
-        raise Failure("{}: {}: nothing moves in it, or a row is none of a trace", path, _where(path))
+        raise Failure("{}: {}: nothing moves in it, or a row is none of a trace", path, _first_wrong_line(path))
     return Moves(rows[:, 0] / 1e6, rows[:, 1:5], rows[:, 5])
 
 
-def _where(path):
+def _first_wrong_line(path):
     """The first line that is no row."""
     with open(path, newline="", encoding="utf-8", errors="replace") as file:
         reader = csv.reader(file)
@@ -63,7 +63,7 @@ def _where(path):
     return _("its end")
 
 
-def times(moves, seconds, speed, per_second):
+def frame_times(moves, seconds, speed, per_second):
     """The moment of each frame in seconds of the trace. `seconds`: how long the film is; or `speed` times as fast as it was."""
     first = float(moves.seconds[1])  # the first row is the state before
     span = float(moves.seconds[-1]) - first
@@ -92,9 +92,9 @@ class Painter:
         self._font = ImageFont.load_default(18)
         self._sheet = Image.new("RGB", size, _PAPER)
         self._pen = ImageDraw.Draw(self._sheet)
-        self._line(0, len(at) - 1, _AHEAD, 1)
+        self._draw_line(0, len(at) - 1, _AHEAD, 1)
 
-    def _line(self, begin, end, color, width):
+    def _draw_line(self, begin, end, color, width):
         """From row to row; places nearer than half a pixel are left out."""
         points = self._at[begin : end + 1]
         if len(points) > 2:
@@ -104,7 +104,7 @@ class Painter:
             points = points[keep]
         self._pen.line([tuple(point) for point in points.tolist()], fill=color, width=width, joint="curve")
 
-    def frame(self, second):
+    def draw_frame(self, second):
         """The picture at that moment of the trace. Moments have to grow."""
         from PIL import ImageDraw
 
@@ -115,7 +115,7 @@ class Painter:
             lit = rows.tool[begin] > 0
             change = np.flatnonzero((rows.tool[begin:now] > 0) != lit)
             end = begin + int(change[0]) if len(change) else now
-            self._line(begin, end, _DOWN if lit else _UP, 3 if lit else 1)
+            self._draw_line(begin, end, _DOWN if lit else _UP, 3 if lit else 1)
             begin = end
         self._drawn = max(now, self._drawn)
         picture = self._sheet.copy()
@@ -124,10 +124,10 @@ class Painter:
         radius = 7
         lit = rows.tool[now] > 0
         pen.ellipse([x - radius, y - radius, x + radius, y + radius], outline=_HEAD, width=3, fill=_HEAD if lit else None)
-        pen.text((16, 12), self._text(second, now), fill=_TEXT, font=self._font)
+        pen.text((16, 12), self._caption_text(second, now), fill=_TEXT, font=self._font)
         return picture
 
-    def _text(self, second, now):
+    def _caption_text(self, second, now):
         rows = self._moves
         then = int(np.searchsorted(rows.seconds, second - 0.1, "right")) - 1
         way = np.hypot(*np.diff(self._mm[max(then, 0) : now + 1], axis=0).T).sum() if now > then >= 0 else 0.0
@@ -138,21 +138,21 @@ class Painter:
 
 def write(path, moves, scale, seconds=20.0, speed=None, per_second=20, progress=None):
     """Write a film to `path`, .gif or .mp4; returns how many frames it has. Calls `progress(share)`. Raises Failure."""
-    moments = times(moves, seconds, speed, per_second)
+    moments = frame_times(moves, seconds, speed, per_second)
     painter = Painter(moves, scale)
 
-    def frames():
+    def draw_frames():
         for number, moment in enumerate(moments):
             if progress:
                 progress(number / len(moments))
-            yield painter.frame(float(moment))
+            yield painter.draw_frame(float(moment))
 
     kind = str(path).lower().rpartition(".")[2]
     try:
         if kind == "gif":
-            _gif(path, frames(), per_second)
+            _write_gif(path, draw_frames(), per_second)
         elif kind == "mp4":
-            _mp4(path, frames(), per_second)
+            _write_mp4(path, draw_frames(), per_second)
         else:
             raise Failure("{}: a film is a .gif or an .mp4", path)
     except OSError as error:
@@ -160,11 +160,11 @@ def write(path, moves, scale, seconds=20.0, speed=None, per_second=20, progress=
     return len(moments)
 
 
-def _gif(path, frames, per_second):
+def _write_gif(path, frames, per_second):
     """All frames share a palette of the film's few colours and what lies between them."""
     from PIL import Image
 
-    colors = [_rgb(color) for color in _COLORS]
+    colors = [_rgb_of(color) for color in _COLORS]
     mixed = [tuple(round(a + (b - a) * part / 4) for a, b in zip(one, other)) for one in colors for other in colors for part in range(1, 4)]
     palette = Image.new("P", (1, 1))
     table = list(dict.fromkeys(colors + mixed))[:256]
@@ -174,11 +174,11 @@ def _gif(path, frames, per_second):
     first.save(path, save_all=True, append_images=reduced, duration=round(1000 / per_second), loop=0, optimize=False, disposal=1)
 
 
-def _rgb(color):
+def _rgb_of(color):
     return tuple(int(color[at : at + 2], 16) for at in (1, 3, 5))
 
 
-def _mp4(path, frames, per_second):
+def _write_mp4(path, frames, per_second):
     import imageio_ffmpeg
 
     writer = imageio_ffmpeg.write_frames(str(path), SIZE, fps=per_second, macro_block_size=16, output_params=["-movflags", "+faststart"])

@@ -14,7 +14,7 @@ from host_tools.failure import Failure
 from host_tools.programs import toolpath
 
 TOOLS = ("laser", "z", "m3")
-number = partial(toolpath.number, decimals=4)
+number = partial(toolpath.number_text, decimals=4)
 _PEN = "pen"
 
 
@@ -53,7 +53,7 @@ class Cut:
         return self
 
 
-def usual(board, tool=None):
+def usual_cut(board, tool=None):
     """The Cut of a board file with a tool of TOOLS; None: its laser, its Z axis, or else the tool's output."""
     spindle = board.get("spindle") or {}
     height = any(axis["name"] == "z" for axis in board["axes"])
@@ -73,22 +73,22 @@ class _Writer:
         self._feed = None
         self._tool = None  # the last line that switched or lifted it
 
-    def put(self, line):
+    def add_line(self, line):
         self.lines.append(line)
 
-    def _set(self, line):
+    def _set_tool(self, line):
         """The tool's state, if it is another one. True if it was."""
         fresh = line != self._tool
         if fresh:
             self._tool = line
-            self.put(line)
+            self.add_line(line)
         return fresh
 
     def forget_tool(self):
         """Another tool follows: repeat its state and feed."""
         self._tool = self._feed = None
 
-    def at(self, place):
+    def position_words(self, place):
         return " ".join(f"{axis}{number(steps / per_mm)}" for axis, steps, per_mm in zip("XY", place, self._steps_per_mm))
 
     def feed(self, value):
@@ -98,70 +98,70 @@ class _Writer:
         self._feed = value
         return f" F{number(value)}"
 
-    def rest(self, cut):
+    def lift_tool(self, cut):
         """The tool is up, or dark, and a spindle goes on."""
         if cut.tool == "z":
-            self._set(f"G0 Z{number(cut.lift)}")
+            self._set_tool(f"G0 Z{number(cut.lift)}")
         elif cut.tool == "m3":
-            self._switch("M5", cut)
+            self._switch_tool("M5", cut)
 
     def begin(self, cut):
         """The tool is ready for lines."""
-        self.rest(cut)
+        self.lift_tool(cut)
         if cut.tool == "laser":
-            self._set(f"M4 S{number(cut.power)}")
+            self._set_tool(f"M4 S{number(cut.power)}")
         elif cut.tool == "z" and cut.power:
-            self.put(f"M3 S{number(cut.power)}")
+            self.add_line(f"M3 S{number(cut.power)}")
 
     def stop(self, cut):
         """The tool is up, dark, and a spindle stands."""
-        self.rest(cut)
+        self.lift_tool(cut)
         if cut.tool == "laser" or cut.tool == "z" and cut.power:
-            self.put("M5")
+            self.add_line("M5")
 
-    def line(self, points, cut):
-        self.put(f"G0 {self.at(points[0])}")
+    def draw_line(self, points, cut):
+        self.add_line(f"G0 {self.position_words(points[0])}")
         if cut.tool == "m3":
-            self._switch(f"M3 S{number(cut.power)}", cut)
+            self._switch_tool(f"M3 S{number(cut.power)}", cut)
         closed = points[0] == points[-1]
         for index in range(cut.passes):
             if cut.tool == "z" and (not index or cut.depth):
-                self._set(f"G1 Z{number(-cut.depth * (index + 1) / cut.passes)}{self.feed(cut.plunge)}")
+                self._set_tool(f"G1 Z{number(-cut.depth * (index + 1) / cut.passes)}{self.feed(cut.plunge)}")
             way = points if closed or index % 2 == 0 else points[::-1]
             for place in way[1:]:
-                self.put(f"G1 {self.at(place)}{self.feed(cut.feed)}")
-        self.rest(cut)
+                self.add_line(f"G1 {self.position_words(place)}{self.feed(cut.feed)}")
+        self.lift_tool(cut)
 
-    def _switch(self, code, cut):
-        if self._set(code) and cut.dwell:
-            self.put(f"G4 P{number(cut.dwell)}")
+    def _switch_tool(self, code, cut):
+        if self._set_tool(code) and cut.dwell:
+            self.add_line(f"G4 P{number(cut.dwell)}")
 
 
 def lines_of(plan, cuts, change=None):
     """The G-code of a drawing. `cuts`: {number of a part: Cut}; `change`: lines between two parts, {} in them is the number of
     the next; None: none, the tool draws on."""
     writer = _Writer(plan.steps_per_mm)
-    writer.put("G21 G90 G94 G17")
+    writer.add_line("G21 G90 G94 G17")
     for index, part in enumerate(plan.parts):
         cut = cuts[part.number]
         if index:
             before = cuts[plan.parts[index - 1].number]
             if change is not None:
                 writer.stop(before)
-                writer.put(f"({_PEN} {part.number})")
+                writer.add_line(f"({_PEN} {part.number})")
                 for line in change:
-                    writer.put(line.replace("{}", str(part.number)))
+                    writer.add_line(line.replace("{}", str(part.number)))
                 writer.forget_tool()
             elif (cut.tool, cut.power) != (before.tool, before.power):
                 writer.stop(before)
                 writer.forget_tool()
         writer.begin(cut)
         for points in part.lines:
-            writer.line(points, cut)
+            writer.draw_line(points, cut)
     if plan.parts:
         writer.stop(cuts[plan.parts[-1].number])
-    writer.put("G0 X0 Y0")
-    writer.put("M30")
+    writer.add_line("G0 X0 Y0")
+    writer.add_line("M30")
     return writer.lines
 
 

@@ -25,9 +25,9 @@ _WORD = re.compile(r"([MST])(-?[\d.]+)")
 class GcodeFile:
     def __init__(self, path):
         """Raises Failure if the program cannot be carried out, or draws nothing."""
-        dialect = compiler.detect(path)[0]
+        dialect = compiler.detect_dialect(path)[0]
         program = compiler.compile_file(path, "ngc" if dialect == "plain" else dialect, start=(0.0, 0.0, 0.0))
-        strokes = list(_strokes(program.listing))
+        strokes = list(_find_strokes(program.listing))
         heights = {round(place[2], 6) for _, _, _, points in strokes for place in points[-1:]}
         self._lines = {}
         if len(heights) > 1:
@@ -57,11 +57,11 @@ class GcodeFile:
         """The page. Arcs are as fine as the compiler makes them, 0.01 mm."""
         page = Page(self.size_px, by_colour=by_colour)
         for tool, lines in sorted(self._lines.items()):
-            page.add(max(1, tool), None, [Ink(f"T{tool}", [(line - self._corner).conjugate() * _MM_PX for line in lines])])
+            page.add_inks(max(1, tool), None, [Ink(f"T{tool}", [(line - self._corner).conjugate() * _MM_PX for line in lines])])
         return page
 
 
-def _strokes(listing):
+def _find_strokes(listing):
     """(rapid, tool, power, points) of each motion."""
     strokes = iter(listing.strokes)
     tool, power, on = 1, 0.0, False

@@ -43,11 +43,11 @@ def hatch_lines(areas, rule):
     whole = shapely.unary_union([area.buffer(0) for area in areas])
     lines = []
     for angle in (rule.angle, rule.angle + 90)[: 1 + rule.crossed]:
-        lines += _lines(whole, angle, rule.spacing)
+        lines += _parallel_lines(whole, angle, rule.spacing)
     return lines
 
 
-def _lines(whole, angle, spacing):
+def _parallel_lines(whole, angle, spacing):
     level = affinity.rotate(whole, -angle, origin=(0, 0))
     if level.is_empty:
         return []

@@ -58,16 +58,16 @@ class HpglFile:
         if len(data) > _MOST:
             raise Failure("{} has more than {} bytes", path, _MOST)
         self._left_out = Counter()
-        self._instructions = list(self._parse(data.decode("latin-1")))
+        self._instructions = list(self._parse_text(data.decode("latin-1")))
         if not self._instructions:
             raise Failure("{} has no instruction of HPGL", path)
-        pen = self._draw(1.0)
+        pen = self._draw_pens(1.0)
         self._straight = None if pen.curved else pen  # then it is as fine as any
-        farthest = abs(self._lay(pen)).max() / UNITS_PER_MM
+        farthest = abs(self._fit_page(pen)).max() / UNITS_PER_MM
         if not farthest < _FARTHEST_MM:
             raise Failure("{}: {} mm is too far away for a drawing", path, farthest)
 
-    def _lay(self, pen):
+    def _fit_page(self, pen):
         """Make the page as large as what a pen drew, and its sheet; returns the places."""
         places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
         places = numpy.append(places, pen.sheet.corners())
@@ -80,17 +80,17 @@ class HpglFile:
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
-        pen = self._straight or self._draw(deviation_px / UNIT_PX)
-        self._lay(pen)
+        pen = self._straight or self._draw_pens(deviation_px / UNIT_PX)
+        self._fit_page(pen)
         page = Page(self.size_px, by_colour=by_colour)
         page.left_out = self._left_out + pen.left_out
         for number in sorted(pen.inks):
-            lines = move_lines([line for ink in pen.inks[number] for line in ink.lines], self._place)
+            lines = move_lines([line for ink in pen.inks[number] for line in ink.lines], self._place_line)
             areas = [self._place_area(area) for ink in pen.inks[number] for area in ink.areas] if fills else []
-            page.add(max(1, number), None, [Ink(str(number), lines, areas)])
+            page.add_inks(max(1, number), None, [Ink(str(number), lines, areas)])
         return page
 
-    def _place(self, line):
+    def _place_line(self, line):
         return (line.real - self._left) * UNIT_PX + 1j * (self.size_px[1] - (line.imag - self._bottom) * UNIT_PX)
 
     def _place_area(self, area):
@@ -98,18 +98,18 @@ class HpglFile:
 
         return affine_transform(area, [UNIT_PX, 0, 0, -UNIT_PX, -self._left * UNIT_PX, self.size_px[1] + self._bottom * UNIT_PX])
 
-    def _draw(self, deviation):
+    def _draw_pens(self, deviation):
         pen, sheets = Pen(deviation), []
         for name, given in self._instructions:
             if name == "PG":
-                sheets.append(pen.finish().inks)
+                sheets.append(pen.finish_line().inks)
                 pen.inks = {}
             else:
                 try:
-                    pen.do(name, given)
+                    pen.run_instruction(name, given)
                 except TooMany as error:
                     raise Failure("{}: its arcs have more than {} chords: give them longer ones", self._path, error) from error
-        sheets = [inks for inks in [*sheets, pen.finish().inks] if inks]
+        sheets = [inks for inks in [*sheets, pen.finish_line().inks] if inks]
         pen.inks = sheets[0] if sheets else {}
         without = pen.inks.get(0) if len(pen.inks) > 1 else None
         if without:  # a plotter has put its pen away; of a file that names no pen all is drawn
@@ -119,7 +119,7 @@ class HpglFile:
             pen.left_out[N_("sheet behind the first")] += len(sheets) - 1
         return pen
 
-    def _parse(self, text):
+    def _parse_text(self, text):
         """(instruction, numbers, or the text of a label)."""
         text = _ESCAPE.sub("", text)
         at, end_of_label, drawn_end, buffered, symbols = 0, "\x03", "", "", SymbolSets()
@@ -135,7 +135,7 @@ class HpglFile:
                 if name == "LB" or name == "BL":
                     end = text.find(end_of_label, at)
                     end = len(text) if end < 0 else end
-                    letters = symbols.letters(text[at:end]) + drawn_end
+                    letters = symbols.decode_letters(text[at:end]) + drawn_end
                     if len(letters) > LONGEST_TEXT:
                         self._left_out[TOO_LONG] += 1
                     elif name == "LB":
@@ -151,20 +151,20 @@ class HpglFile:
                     quoted = text[at:].lstrip()[:1] == '"'
                     at = (text.find('"', text.find('"', at) + 1) if quoted else text.find(";", at)) + 1 or len(text)
                 else:
-                    yield name, symbols.letters(text[at : at + 1].strip(";"))
+                    yield name, symbols.decode_letters(text[at : at + 1].strip(";"))
                     at += 1
                 continue
             if name == "PE":
                 end = text.find(";", at)
                 at = len(text) if end < 0 else end
-                yield name, hpgl_encoded.moves(text[match.end() : at])
+                yield name, hpgl_encoded.decode_moves(text[match.end() : at])
                 continue
             end = _INSTRUCTION.search(text, at)
             stop = text.find(";", at, end.start() if end else None)
             stop = stop if stop >= 0 else end.start() if end else len(text)
             given = [float(each) for each in _NUMBER.findall(text[at:stop])]
             at = stop
-            if not symbols.choose(name, given):
+            if not symbols.choose_set(name, given):
                 self._left_out[N_("letters of a set that is not known (drawn as ASCII)")] += 1
             if name in Pen.WORDS or name == "PG":
                 if all(math.isfinite(each) and abs(each) < 1e9 for each in given):

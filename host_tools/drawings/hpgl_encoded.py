@@ -1,12 +1,12 @@
 """HP-GL/2's polylines in a code of their own (PE): numbers to the base of 64 or 32, the last digit of each by other letters.
 
-    moves("…")      # [(pen down, absolute, x, y), … or a pen's number]
+    decode_moves("…")      # [(pen down, absolute, x, y), … or a pen's number]
 """
 
 _LARGEST_SHIFT = 64
 
 
-def moves(text):
+def decode_moves(text):
     """[(down, absolute, x, y) or the number of a pen]. The rest behind a number too large, or behind a pair cut off, is left out."""
     found, pair, flags, base, bits, waits = [], [], set(), 64, 0, ""
     value = shift = 0

@@ -23,11 +23,11 @@ class Letters:
         self.symbol = ""  # SM: a letter at each place
         self._return, self._labelled = 0j, None  # targets of a carriage return; end of the last label
 
-    def label(self, place, text):
+    def draw_label(self, place, text):
         """Draw `text` and return where the pen is behind it. A line feed goes one line down, a carriage return to where labels have
         begun since the pen was moved, or DI turned them; a backspace goes back by a letter, as to strike out a zero."""
         width, height = self._size_of_letters()
-        advance, down = self._cell()
+        advance, down = self._cell_size()
         if place != self._labelled:
             self._return = place
         row, column = (self._origin - 1) % 10 % 3, (self._origin - 1) % 10 // 3
@@ -38,36 +38,36 @@ class Letters:
                 place -= self._along * 1j * down
                 self._return -= self._along * 1j * down
             elif line:
-                cells, behind = _cells(line)
+                cells, behind = _cells_of(line)
                 long = (max([behind, *(cell + 1 for _, cell in cells)])) * advance - (advance - width)
                 back = complex(-(long / 2, long)[column - 1] if column else 0.0, -height * row / 2)
                 if self._origin > 10:
                     back += complex((0.5, 0.0, -0.5)[column] * width, (0.5, 0.0, -0.5)[row] * height)
                 for each, cell in cells:
-                    self._write(each, place, back + cell * advance, width, height)
+                    self._write_letter(each, place, back + cell * advance, width, height)
                 place += self._along * (back + behind * advance)
         self._labelled = place
         return place
 
-    def cells(self, place, given):
+    def move_cells(self, place, given):
         """CP: move by cells of letters; without numbers to the next line. Returns where."""
-        place = self.label(place, "" if given else "\r\n")
-        advance, down = self._cell()
+        place = self.draw_label(place, "" if given else "\r\n")
+        advance, down = self._cell_size()
         across, up = (given + [0, 0])[:2]
         place += self._along * complex(across * advance, up * down)
         self._return += self._along * 1j * up * down
         self._labelled = place
         return place
 
-    def mark(self, place):
+    def draw_symbol(self, place):
         """The symbol of SM, its middle on the pen's place, also of low and slanted letters."""
         width, height = self._size_of_letters()
-        heights = numpy.concatenate(stroke_font.letter(self.symbol) or [numpy.zeros(1, complex)]).imag
+        heights = numpy.concatenate(stroke_font.letter_strokes(self.symbol) or [numpy.zeros(1, complex)]).imag
         middle = height * (heights.min() + heights.max()) / 2
-        self._write(self.symbol, place, complex(-width / 2 - self._slant * middle, -middle), width, height)
+        self._write_letter(self.symbol, place, complex(-width / 2 - self._slant * middle, -middle), width, height)
 
-    def _write(self, each, at, shift, width, height):
-        strokes = stroke_font.letter(each)
+    def _write_letter(self, each, at, shift, width, height):
+        strokes = stroke_font.letter_strokes(each)
         if strokes is None:
             self._sheet.left_out[N_("letter that the pen's font has not")] += 1
             return
@@ -75,7 +75,7 @@ class Letters:
             x = stroke.real * width + width / 2 + stroke.imag * height * self._slant
             self._ink([at + self._along * (shift + x + 1j * stroke.imag * height)])
 
-    def _cell(self):
+    def _cell_size(self):
         """How far on the next letter is, and how far down the next line."""
         width, height = self._size_of_letters()
         return 1.5 * width * (1 + self._space[0]), 2 * height * (1 + self._space[1])
@@ -88,18 +88,18 @@ class Letters:
 
     # --- instructions
 
-    def absolute_size(self, given):
+    def set_absolute_size(self, given):
         self._size, self._letter = None, (0.19 * _CM, 0.27 * _CM) if len(given) < 2 else (given[0] * _CM, given[1] * _CM)
 
-    def relative_size(self, given):
+    def set_relative_size(self, given):
         self._size = tuple(given[:2]) if len(given) > 1 else (0.75, 1.5)
 
-    def relative_direction(self, given):
+    def set_relative_direction(self, given):
         """DR: in per cent of the way from P1 to P2."""
         span = self._sheet.span
-        self.direction([given[0] * span.real, given[1] * span.imag] if len(given) > 1 else [span.real, 0.0])
+        self.set_direction([given[0] * span.real, given[1] * span.imag] if len(given) > 1 else [span.real, 0.0])
 
-    def direction(self, given):
+    def set_direction(self, given):
         along = complex(*given[:2]) if len(given) > 1 else 1 + 0j
         self._along = along / abs(along) if along else 1 + 0j
         self._labelled = None
@@ -117,7 +117,7 @@ class Letters:
         self._origin = int(given[0]) if given else 1
 
 
-def _cells(line):
+def _cells_of(line):
     """([(letter, its cell)] of a line with backspaces, the cell behind them)."""
     found, cell = [], 0
     for each in line:

@@ -1,8 +1,8 @@
 """HPGL's instructions, carried out by a pen: lines of each pen, in plotter units (1/40 mm), y up.
 
     pen = Pen(deviation)            # of curves from their chords
-    pen.do("PA", [100, 200])
-    pen.finish().inks             # {pen: [Ink]}
+    pen.set_up_sheet("PA", [100, 200])
+    pen.finish_line().inks             # {pen: [Ink]}
 """
 
 import cmath
@@ -14,7 +14,7 @@ from host_tools.drawings import hpgl_encoded, svg_area
 from host_tools.drawings.hpgl_letters import Letters
 from host_tools.drawings.hpgl_sheet import Sheet
 from host_tools.drawings.page import Ink
-from host_tools.drawings.svg_geometry import cubic
+from host_tools.drawings.svg_geometry import flatten_cubic
 from host_tools.language import N_
 
 _MOST_CHORDS = 10_000  # of an arc
@@ -28,11 +28,11 @@ class TooMany(ValueError):
 def _of_sheet(set_up):
     """An instruction that says where later ones lie."""
 
-    def do(pen, given):
-        pen._lift()
+    def set_up_sheet(pen, given):
+        pen._lift_pen()
         set_up(pen.sheet, given)
 
-    return do
+    return set_up_sheet
 
 
 def _of_letters(set_up):
@@ -49,37 +49,37 @@ class Pen:
         self._number = 1
         self._chords = 0
         self._line = []
-        self._reset()
+        self._reset_state()
 
-    def _reset(self):
+    def _reset_state(self):
         self._down, self._absolute = False, True
         self._place = 0j  # in plotter units
-        self._letters = Letters(self.sheet, self._ink)
+        self._letters = Letters(self.sheet, self._add_ink)
         self._polygon = None  # [[places], ...] while one is defined
         self._rings = []
         self._ticks = 0.5, 0.5
 
-    def do(self, name, given):
+    def run_instruction(self, name, given):
         """Carry out an instruction of WORDS."""
         self.WORDS[name](self, given)
 
-    def finish(self):
+    def finish_line(self):
         """Itself, the last line ended."""
-        self._lift()
+        self._lift_pen()
         return self
 
     # --- lines
 
-    def _lift(self):
+    def _lift_pen(self):
         line, self._line = self._line, []
         if len(line) > 1:
-            self._ink([numpy.array(line)])
+            self._add_ink([numpy.array(line)])
 
-    def _ink(self, lines, areas=()):
+    def _add_ink(self, lines, areas=()):
         lines, areas = self.sheet.cut_to_window(lines, areas)
         self.inks.setdefault(self._number, []).append(Ink(str(self._number), lines, list(areas)))
 
-    def _go(self, place):
+    def _move_to(self, place):
         if self._polygon is not None:
             self._polygon[-1].append((place, self._down))
         elif self._down:
@@ -87,45 +87,45 @@ class Pen:
                 self._line = self._line[:1] if len(set(self._line)) == 1 else self._line or [self._place]
             self._line.append(place)
         else:
-            self._lift()
+            self._lift_pen()
         self._place = place
 
-    def _moves(self, given):
+    def _move_through(self, given):
         for x, y in zip(given[::2], given[1::2]):
-            self._go(self.sheet.units(x, y) if self._absolute else self._place + self.sheet.units(x, y, True))
-            self._mark()
+            self._move_to(self.sheet.to_plotter_units(x, y) if self._absolute else self._place + self.sheet.to_plotter_units(x, y, True))
+            self._mark_symbol()
 
-    def _mark(self):
+    def _mark_symbol(self):
         if self._letters.symbol and self._polygon is None:
-            self._letters.mark(self._place)
+            self._letters.draw_symbol(self._place)
 
-    def _pen(self, down):
+    def _set_pen(self, down):
         if not down:
-            self._lift()
+            self._lift_pen()
         elif self._polygon is None and not self._down:
             self._line = []
         self._down = down
 
-    def _up(self, given):
-        self._pen(False)
-        self._moves(given)
+    def _pen_up(self, given):
+        self._set_pen(False)
+        self._move_through(given)
 
-    def _downs(self, given):
-        self._pen(True)
+    def _pen_down(self, given):
+        self._set_pen(True)
         if not given and self._polygon is None:
             self._line = self._line or [self._place, self._place]
-        self._moves(given)
+        self._move_through(given)
 
-    def _absolutes(self, given):
+    def _plot_absolute(self, given):
         self._absolute = True
-        self._moves(given)
+        self._move_through(given)
 
-    def _relatives(self, given):
+    def _plot_relative(self, given):
         self._absolute = False
-        self._moves(given)
+        self._move_through(given)
 
-    def _select(self, given):
-        self._lift()
+    def _select_pen(self, given):
+        self._lift_pen()
         self._number = int(given[0]) if given else 0
 
     def _draw_encoded(self, moves):
@@ -133,29 +133,29 @@ class Pen:
         absolute, down = self._absolute, self._down
         for move in moves:
             if isinstance(move, int):
-                self._select([move])
+                self._select_pen([move])
                 continue
-            self._pen(move[0])
+            self._set_pen(move[0])
             self._absolute = move[1]
-            self._moves(move[2:])
+            self._move_through(move[2:])
         self._absolute = absolute
-        self._pen(down)
+        self._set_pen(down)
 
-    def _initialize(self, given):
-        self._lift()
+    def _initialize_all(self, given):
+        self._lift_pen()
         self.sheet.initialize()
-        self._reset()
+        self._reset_state()
 
-    def _default(self, given):
-        self._lift()
+    def _set_defaults(self, given):
+        self._lift_pen()
         place = self._place
         self.sheet.reset()
-        self._reset()
+        self._reset_state()
         self._place = place
 
     # --- curves
 
-    def _swept(self, centre, start, degrees, chord=None, factors=None):
+    def _arc_positions(self, centre, start, degrees, chord=None, factors=None):
         """Places behind `start` on an arc around `centre`; `chord`: degrees that the file asks for. It is round in the file's own units:
         an ellipse, if a scale differs by axis."""
         self.curved = True
@@ -173,81 +173,81 @@ class Pen:
         turned = way * numpy.exp(1j * numpy.radians(numpy.linspace(0.0, degrees, count + 1)))[1:]
         return list(centre + turned.real * factors[0] + 1j * turned.imag * factors[1])
 
-    def _around(self, radius, degrees=0.0):
+    def _offset_from_centre(self, radius, degrees=0.0):
         """A way from a centre."""
         way = radius * cmath.exp(1j * math.radians(degrees))
-        return self.sheet.units(way.real, way.imag, True)
+        return self.sheet.to_plotter_units(way.real, way.imag, True)
 
-    def _circle(self, given):
+    def _draw_circle(self, given):
         if not given or not given[0]:
             return
-        self._lift()
-        start = self._place + self._around(given[0])
-        self._shape([[start, *self._swept(self._place, start, 360.0, given[1] if len(given) > 1 else None)]])
+        self._lift_pen()
+        start = self._place + self._offset_from_centre(given[0])
+        self._draw_shape([[start, *self._arc_positions(self._place, start, 360.0, given[1] if len(given) > 1 else None)]])
 
-    def _arc(self, given, relative):
+    def _draw_arc(self, given, relative):
         if len(given) < 3:
             return
-        centre = self._place + self.sheet.units(*given[:2], True) if relative else self.sheet.units(*given[:2])
-        for place in self._swept(centre, self._place, given[2], given[3] if len(given) > 3 else None):
-            self._go(place)
+        centre = self._place + self.sheet.to_plotter_units(*given[:2], True) if relative else self.sheet.to_plotter_units(*given[:2])
+        for place in self._arc_positions(centre, self._place, given[2], given[3] if len(given) > 3 else None):
+            self._move_to(place)
 
-    def _three_points(self, given, relative):
+    def _draw_three_point_arc(self, given, relative):
         if len(given) < 4:
             return
         a = self._place
-        b, c = (a + self.sheet.units(*given[at : at + 2], True) if relative else self.sheet.units(*given[at : at + 2]) for at in (0, 2))
+        b, c = (a + self.sheet.to_plotter_units(*given[at : at + 2], True) if relative else self.sheet.to_plotter_units(*given[at : at + 2]) for at in (0, 2))
         u, v = b - a, c - a
         size = 2 * (u.real * v.imag - u.imag * v.real)
         if not size:
-            self._go(c)
+            self._move_to(c)
             return
         middle = a + complex(v.imag * abs(u) ** 2 - u.imag * abs(v) ** 2, u.real * abs(v) ** 2 - v.real * abs(u) ** 2) / size
         sweep = math.degrees(cmath.phase((c - middle) / (a - middle))) % 360
         # Round on the paper: three places make one circle.
-        for place in self._swept(middle, a, sweep if size > 0 else sweep - 360, given[4] if len(given) > 4 else None, (1.0, 1.0)):
-            self._go(place)
+        for place in self._arc_positions(middle, a, sweep if size > 0 else sweep - 360, given[4] if len(given) > 4 else None, (1.0, 1.0)):
+            self._move_to(place)
 
-    def _bezier(self, given, relative):
+    def _draw_bezier(self, given, relative):
         """BZ and BR: three places a curve; BR's are measured from the curve's begin."""
         self.curved = True
         for at in range(0, len(given) - 5, 6):
             a = self._place
-            b, c, d = (self.sheet.units(*given[each : each + 2], relative) + (a if relative else 0) for each in range(at, at + 6, 2))
-            for place in cubic(a, b, c, d, self._deviation):
-                self._go(place)
-            self._mark()
+            b, c, d = (self.sheet.to_plotter_units(*given[each : each + 2], relative) + (a if relative else 0) for each in range(at, at + 6, 2))
+            for place in flatten_cubic(a, b, c, d, self._deviation):
+                self._move_to(place)
+            self._mark_symbol()
 
     # --- shapes: `filled` adds the area
 
-    def _shape(self, rings, filled=False):
+    def _draw_shape(self, rings, filled=False):
         if self._polygon is not None:
             whole = [[(place, True) for place in ring] for ring in rings]
             self._polygon[-1:] = [*([self._polygon[-1]] if self._polygon[-1] else []), *whole, []]
             return
         rings = [numpy.array(ring) for ring in rings]
-        self._ink(rings, [svg_area.fill_area(rings, "evenodd")] if filled else ())
+        self._add_ink(rings, [svg_area.fill_area(rings, "evenodd")] if filled else ())
 
-    def _rectangle(self, given, relative, filled):
+    def _draw_rectangle(self, given, relative, filled):
         if len(given) < 2:
             return
-        self._lift()
-        there = self._place + self.sheet.units(*given[:2], True) if relative else self.sheet.units(*given[:2])
+        self._lift_pen()
+        there = self._place + self.sheet.to_plotter_units(*given[:2], True) if relative else self.sheet.to_plotter_units(*given[:2])
         a, c = self._place, there
-        self._shape([[a, complex(c.real, a.imag), c, complex(a.real, c.imag), a]], filled)
+        self._draw_shape([[a, complex(c.real, a.imag), c, complex(a.real, c.imag), a]], filled)
 
-    def _wedge(self, given, filled):
+    def _draw_wedge(self, given, filled):
         if len(given) < 3:
             return
-        self._lift()
-        start = self._place + self._around(given[0], given[1])
-        arc = self._swept(self._place, start, given[2], given[3] if len(given) > 3 else None)
-        self._shape([[self._place, start, *arc, self._place]], filled)
+        self._lift_pen()
+        start = self._place + self._offset_from_centre(given[0], given[1])
+        arc = self._arc_positions(self._place, start, given[2], given[3] if len(given) > 3 else None)
+        self._draw_shape([[self._place, start, *arc, self._place]], filled)
 
-    def _mode(self, given):
+    def _set_polygon_mode(self, given):
         mode = int(given[0]) if given else 0
         if mode == 0:
-            self._lift()
+            self._lift_pen()
             self._polygon, self._begun = [[(self._place, False)]], (self._place, self._down)
         elif self._polygon is not None:
             if self._polygon[-1]:
@@ -258,9 +258,9 @@ class Pen:
                 self._rings = [ring for ring in self._polygon if len(ring) > 2]
                 self._polygon, (self._place, self._down) = None, self._begun
 
-    def _edges(self, given, filled):
+    def _draw_polygon(self, given, filled):
         """The polygon that was defined; of its edges those that were gone with the pen down."""
-        self._lift()
+        self._lift_pen()
         lines = []
         for ring in self._rings:
             for (start, _), (end, down) in zip(ring, ring[1:]):
@@ -270,52 +270,52 @@ class Pen:
                     lines.append([start, end])
         rings = [numpy.array([place for place, _ in ring]) for ring in self._rings]
         if lines or filled and rings:
-            self._ink([numpy.array(line) for line in lines], [svg_area.fill_area(rings, "evenodd")] if filled else ())
+            self._add_ink([numpy.array(line) for line in lines], [svg_area.fill_area(rings, "evenodd")] if filled else ())
 
     # --- text and ticks
 
-    def _label(self, text):
-        self._lift()
-        self._place = self._letters.label(self._place, text)
+    def _draw_label(self, text):
+        self._lift_pen()
+        self._place = self._letters.draw_label(self._place, text)
 
-    def _cells(self, given):
-        self._lift()
-        self._place = self._letters.cells(self._place, given)
+    def _move_cells(self, given):
+        self._lift_pen()
+        self._place = self._letters.move_cells(self._place, given)
 
-    def _tick(self, given):
+    def _tick_lengths(self, given):
         return [share * self.sheet.span / 100 for share in self._ticks]
 
-    def _x_tick(self, given):
-        up, down = self._tick(given)
-        self._ink([numpy.array([self._place - 1j * down.imag, self._place + 1j * up.imag])])
+    def _draw_x_tick(self, given):
+        up, down = self._tick_lengths(given)
+        self._add_ink([numpy.array([self._place - 1j * down.imag, self._place + 1j * up.imag])])
 
-    def _y_tick(self, given):
-        up, down = self._tick(given)
-        self._ink([numpy.array([self._place - down.real, self._place + up.real])])
+    def _draw_y_tick(self, given):
+        up, down = self._tick_lengths(given)
+        self._add_ink([numpy.array([self._place - down.real, self._place + up.real])])
 
-    def _tick_length(self, given):
+    def _set_tick_lengths(self, given):
         self._ticks = ((given + [0.0])[:2]) if given else (0.5, 0.5)
 
-    def _line_type(self, given):
+    def _count_line_type(self, given):
         if given:
             self.left_out[N_("line type (drawn without gaps)")] += 1
 
-    def _user_letter(self, given):
+    def _count_user_letter(self, given):
         self.left_out[N_("letter of the file's own")] += 1
 
     WORDS = {
-        "IN": _initialize, "DF": _default, "PU": _up, "PD": _downs, "PA": _absolutes, "PR": _relatives, "SP": _select,
-        "IP": _of_sheet(Sheet.input_ends), "IR": _of_sheet(Sheet.relative_ends), "SC": _of_sheet(Sheet.scale),
-        "RO": _of_sheet(Sheet.rotate), "IW": _of_sheet(Sheet.clip), "PS": _of_sheet(Sheet.paper), "PE": _draw_encoded, "CI": _circle,
-        "BZ": lambda self, given: self._bezier(given, False), "BR": lambda self, given: self._bezier(given, True),
-        "AA": lambda self, given: self._arc(given, False), "AR": lambda self, given: self._arc(given, True),
-        "AT": lambda self, given: self._three_points(given, False), "RT": lambda self, given: self._three_points(given, True),
-        "EA": lambda self, given: self._rectangle(given, False, False), "ER": lambda self, given: self._rectangle(given, True, False),
-        "RA": lambda self, given: self._rectangle(given, False, True), "RR": lambda self, given: self._rectangle(given, True, True),
-        "EW": lambda self, given: self._wedge(given, False), "WG": lambda self, given: self._wedge(given, True),
-        "PM": _mode, "EP": lambda self, given: self._edges(given, False), "FP": lambda self, given: self._edges(given, True),
-        "LB": _label, "CP": _cells, "SI": _of_letters(Letters.absolute_size), "SR": _of_letters(Letters.relative_size),
-        "DI": _of_letters(Letters.direction), "DR": _of_letters(Letters.relative_direction), "SL": _of_letters(Letters.set_slant),
+        "IN": _initialize_all, "DF": _set_defaults, "PU": _pen_up, "PD": _pen_down, "PA": _plot_absolute, "PR": _plot_relative, "SP": _select_pen,
+        "IP": _of_sheet(Sheet.set_ends), "IR": _of_sheet(Sheet.set_relative_ends), "SC": _of_sheet(Sheet.set_scale),
+        "RO": _of_sheet(Sheet.set_rotation), "IW": _of_sheet(Sheet.set_window), "PS": _of_sheet(Sheet.set_size), "PE": _draw_encoded, "CI": _draw_circle,
+        "BZ": lambda self, given: self._draw_bezier(given, False), "BR": lambda self, given: self._draw_bezier(given, True),
+        "AA": lambda self, given: self._draw_arc(given, False), "AR": lambda self, given: self._draw_arc(given, True),
+        "AT": lambda self, given: self._draw_three_point_arc(given, False), "RT": lambda self, given: self._draw_three_point_arc(given, True),
+        "EA": lambda self, given: self._draw_rectangle(given, False, False), "ER": lambda self, given: self._draw_rectangle(given, True, False),
+        "RA": lambda self, given: self._draw_rectangle(given, False, True), "RR": lambda self, given: self._draw_rectangle(given, True, True),
+        "EW": lambda self, given: self._draw_wedge(given, False), "WG": lambda self, given: self._draw_wedge(given, True),
+        "PM": _set_polygon_mode, "EP": lambda self, given: self._draw_polygon(given, False), "FP": lambda self, given: self._draw_polygon(given, True),
+        "LB": _draw_label, "CP": _move_cells, "SI": _of_letters(Letters.set_absolute_size), "SR": _of_letters(Letters.set_relative_size),
+        "DI": _of_letters(Letters.set_direction), "DR": _of_letters(Letters.set_relative_direction), "SL": _of_letters(Letters.set_slant),
         "SM": _of_letters(Letters.set_symbol), "LO": _of_letters(Letters.set_origin),
-        "XT": _x_tick, "YT": _y_tick, "TL": _tick_length, "LT": _line_type, "UC": _user_letter, "ES": _of_letters(Letters.set_space),
+        "XT": _draw_x_tick, "YT": _draw_y_tick, "TL": _set_tick_lengths, "LT": _count_line_type, "UC": _count_user_letter, "ES": _of_letters(Letters.set_space),
     }  # fmt: skip

@@ -38,7 +38,7 @@ class Sheet:
         """Plotter units of a unit of the file, across and up."""
         return self._scale[1:] if self._scale else (1.0, 1.0)
 
-    def units(self, x, y, relative=False):
+    def to_plotter_units(self, x, y, relative=False):
         """A pair of the file's numbers in plotter units; `relative`: a distance."""
         place = complex(x, y)
         if self._scale:
@@ -49,7 +49,7 @@ class Sheet:
     def cut_to_window(self, lines, areas):
         """(lines, areas) where they are drawn: cut by the window, and turned with it."""
         if self._window:
-            lines = svg_area.clip(lines, self._window)
+            lines = svg_area.clip_lines(lines, self._window)
             areas = [area.intersection(self._window) for area in areas]
         if self._turn:
             lines = [line * self._turn_factor for line in lines]
@@ -62,34 +62,34 @@ class Sheet:
 
     def corners(self):
         """Two opposite ones of the sheet as it is drawn; 0 and 0 if the file does not say how large it is."""
-        return 0j, complex(*self._page()) * self._turn_factor
+        return 0j, complex(*self._page_size()) * self._turn_factor
 
-    def _page(self):
+    def _page_size(self):
         """Width and height as turned numbers have it: untouched by RO, the sheet's long side is x."""
         size = sorted(self.size or (0.0, 0.0), reverse=True)
         return size[::-1] if self._turn % 180 else size
 
     # --- instructions
 
-    def input_ends(self, given):
+    def set_ends(self, given):
         if len(given) >= 4:
             self._ends = complex(*given[:2]), complex(*given[2:4])
         elif len(given) >= 2:
             self._ends = complex(*given[:2]), complex(*given[:2]) + self.span
         else:
             self._ends = 0j, _P2
-        self._rescale()
+        self._compute_scale()
 
-    def relative_ends(self, given):
+    def set_relative_ends(self, given):
         """IR: in per cent of the sheet."""
-        width, height = self._page() if self.size else (_P2.real, _P2.imag)
-        self.input_ends([share * (height if at % 2 else width) / 100 for at, share in enumerate(given)])
+        width, height = self._page_size() if self.size else (_P2.real, _P2.imag)
+        self.set_ends([share * (height if at % 2 else width) / 100 for at, share in enumerate(given)])
 
-    def scale(self, given):
+    def set_scale(self, given):
         self._user = given if len(given) >= 4 else None
-        self._rescale()
+        self._compute_scale()
 
-    def _rescale(self):
+    def _compute_scale(self):
         self._scale = None
         if not self._user:
             return
@@ -111,17 +111,17 @@ class Sheet:
             first += complex(math.copysign(spare.real, span.real) * share_x / 100, math.copysign(spare.imag, span.imag) * share_y / 100)
         self._scale = first - complex(left * across, bottom * up), across, up
 
-    def rotate(self, given):
+    def set_rotation(self, given):
         self._turn = int(given[0]) if given else 0
 
-    def clip(self, given):
+    def set_window(self, given):
         """IW; without numbers the window is the sheet."""
         if len(given) < 4 and not self.size:
             self._window = None
             return
-        a, b = (self.units(*given[:2]), self.units(*given[2:4])) if len(given) >= 4 else (0j, complex(*self._page()))
+        a, b = (self.to_plotter_units(*given[:2]), self.to_plotter_units(*given[2:4])) if len(given) >= 4 else (0j, complex(*self._page_size()))
         self._window = shapely.box(min(a.real, b.real), min(a.imag, b.imag), max(a.real, b.real), max(a.imag, b.imag))
 
-    def paper(self, given):
+    def set_size(self, given):
         if given:
             self.size = given[0], given[1] if len(given) > 1 else given[0]

@@ -2,8 +2,8 @@
 HP-GL/2's own.
 
     sets = SymbolSets()
-    sets.choose("SD", [1, 277])
-    sets.letters("\\xf61.0")         # "—1.0"
+    sets.choose_set("SD", [1, 277])
+    sets.decode_letters("\\xf61.0")         # "—1.0"
 """
 
 import re
@@ -23,9 +23,9 @@ _SHIFT = re.compile("([\x0e\x0f])")  # to the alternate set, and back
 
 class SymbolSets:
     def __init__(self):
-        self.choose("IN", [])
+        self.choose_set("IN", [])
 
-    def choose(self, name, given):
+    def choose_set(self, name, given):
         """Carry out SD, AD, CS, CA, SS, SA, IN or DF; False if a set is not known."""
         if name in ("IN", "DF"):
             self._sets, self._chosen = {"SD": None, "AD": None}, "SD"
@@ -41,7 +41,7 @@ class SymbolSets:
             return number in _NATIONAL or number in _ASCII
         return True
 
-    def letters(self, text):
+    def decode_letters(self, text):
         """The letters of a text whose bytes are read as Latin-1. Of a file that names no set, bytes that are UTF-8 are taken as such."""
         found = ""
         for part in _SHIFT.split(text):

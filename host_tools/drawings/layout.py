@@ -1,8 +1,8 @@
 """The drawings on the table: one drawing or several, copies in rows and columns, registration marks.
 
     sheet = nest_sheets([Sheet(…), Sheet(…)], (400, 300), options)
-    copy(sheet, options)
-    mark(sheet, box, (400, 300))
+    copy_sheet(sheet, options)
+    add_marks(sheet, box, (400, 300))
 """
 
 import re
@@ -38,9 +38,9 @@ class Sheet:
 
 def nest_sheets(sheets, table, options):
     """Several drawings on one table, `options.gap` between them. Raises Failure if there is no room."""
-    (x, y), (width, height) = room(table, options)
+    (x, y), (width, height) = room_mm(table, options)
     shapes = [shape_of(sheet) for sheet in sheets]
-    spots = nesting.nest(shapes, width, height, options.gap, options.turn, options.nesting)
+    spots = nesting.nest_shapes(shapes, width, height, options.gap, options.turn, options.nesting)
     boxes = [shapely.box(*shape.bounds) for shape in shapes]
     used, full = nesting.fullness(shapes, spots, width)
     boxed = sum(box.area for box in boxes)
@@ -58,7 +58,7 @@ def nest_sheets(sheets, table, options):
         whole.notes += sheet.notes
     shares = full * 100, boxed / (used * width) * 100
     try:
-        by_boxes = nesting.fullness(boxes, nesting.nest(boxes, width, height, options.gap, options.turn), width)[0]
+        by_boxes = nesting.fullness(boxes, nesting.nest_shapes(boxes, width, height, options.gap, options.turn), width)[0]
         text = _("{} drawings on one sheet use {:.0f} mm of its height, {:.0f} % of that full, boxes {:.0f} %; by their boxes they would use {:.0f} mm")
         whole.notes.append(text.format(len(sheets), used, *shares, by_boxes))
     except Failure:
@@ -67,17 +67,17 @@ def nest_sheets(sheets, table, options):
     return whole
 
 
-def room(table, options):
+def room_mm(table, options):
     """(corner, size) of the room for nested drawings, in mm."""
     x, y = options.origin or (options.margin, options.margin)
     return (x, y), (table[0] - x - options.margin, table[1] - y - options.margin)
 
 
 def shape_of(sheet):
-    return nesting.outline([line for lines in sheet.layers.values() for line in lines])
+    return nesting.outline_of([line for lines in sheet.layers.values() for line in lines])
 
 
-def copy(sheet, options):
+def copy_sheet(sheet, options):
     """Repeat all in columns and rows. Raises Failure."""
     if not options.copies:
         return
@@ -91,7 +91,7 @@ def copy(sheet, options):
     sheet.layers = {number: [line + shift for shift in shifts for line in lines] for number, lines in sheet.layers.items()}
 
 
-def mark(sheet, box, table):
+def add_marks(sheet, box, table):
     """A cross at each corner of the drawing, by each pen: crosses that fall on each other show that the pens do."""
     left, bottom, right, top = box
     for number in sheet.layers:

@@ -25,48 +25,48 @@ class Ends:
         self._left = set(range(len(lines)))
         self._first = 0  # none before it is left
         for end, position in enumerate(self._places):
-            self._cells.setdefault(self._key(position), []).append(end)
+            self._cells.setdefault(self._cell_of(position), []).append(end)
 
     def __len__(self):
         return len(self._left)
 
-    def first(self):
+    def take_first(self):
         """Take the first line that is left."""
         while self._first not in self._left:
             self._first += 1
-        self._take(self._first)
+        self._take_line(self._first)
         return self._first
 
-    def nearest(self, position, within=math.inf):
+    def take_nearest(self, position, within=math.inf):
         """Take the end nearest to `position`: (line, turned round), or None if none is `within`. Of two as near it takes the one that
         begins there, and of these the first."""
-        found = self._around(position, within)
+        found = self._nearest_end(position, within)
         if found is None:
             return None
         number, turned = divmod(found, 2)
-        self._take(number)
+        self._take_line(number)
         return number, bool(turned)
 
-    def _key(self, position):
+    def _cell_of(self, position):
         return math.floor(position.real / self._cell), math.floor(position.imag / self._cell)
 
-    def _take(self, number):
+    def _take_line(self, number):
         self._left.remove(number)
         for end in (2 * number, 2 * number + 1):
-            key = self._key(self._places[end])
+            key = self._cell_of(self._places[end])
             self._cells[key].remove(end)
             if not self._cells[key]:
                 del self._cells[key]
             self._places[end] = complex(math.inf, 0)
 
-    def _around(self, position, within):
+    def _nearest_end(self, position, within):
         """The nearest end. An end in ring r + 1 of cells is farther than r cells."""
         if not self._left:
             return None
-        x, y = self._key(position)
+        x, y = self._cell_of(position)
         best = None
         for ring in range(_RINGS):
-            for key in _ring(x, y, ring):
+            for key in _ring_cells(x, y, ring):
                 for end in self._cells.get(key, ()):
                     candidate = abs(self._places[end] - position), end & 1, end
                     if best is None or candidate < best:
@@ -81,7 +81,7 @@ class Ends:
         return best[2] if best is not None and best[0] <= within else None
 
 
-def _ring(x, y, ring):
+def _ring_cells(x, y, ring):
     if not ring:
         return [(x, y)]
     side = range(-ring, ring + 1)
@@ -96,14 +96,14 @@ def join(lines, tolerance):
     number meets, or one closed line (Euler, 1736; Hierholzer, 1873).
     """
     lines = [line for line in lines if len(line) > 1]
-    alone = _alone(lines, tolerance)
+    alone = _find_alone(lines, tolerance)
     meet = numpy.flatnonzero(~alone).tolist()
     made = [(meet[first], line) for first, line in _join_met([lines[number] for number in meet], tolerance)]
     made += [(number, lines[number]) for number in numpy.flatnonzero(alone).tolist()]
     return [line for _, line in sorted(made, key=itemgetter(0))]
 
 
-def _alone(lines, tolerance):
+def _find_alone(lines, tolerance):
     """Of each line whether no end of another is within `tolerance` of its ends; False also where many are about."""
     if not lines:
         return numpy.zeros(0, bool)
@@ -129,19 +129,19 @@ def _alone(lines, tolerance):
 
 def _join_met(lines, tolerance):
     """[(the least number of a line in it, line)] of lines that meet others."""
-    trails = _trails(lines, tolerance / 2)
+    trails = _find_trails(lines, tolerance / 2)
     numbers = [min(number for number, _ in trail) for trail in trails]
-    lines = [_chain([(lines[number], turned) for number, turned in trail]) for trail in trails]
+    lines = [_chain_lines([(lines[number], turned) for number, turned in trail]) for trail in trails]
     # Ends that are near each other, but not near one place.
     ends = Ends(lines, max(tolerance, 1e-9))
     result = []
     while len(ends):
-        parts = [(ends.first(), False)]
+        parts = [(ends.take_first(), False)]
         for _ in range(2):  # at its end; turned round, at its beginning
-            while (found := ends.nearest(_last(lines[parts[-1][0]], parts[-1][1]), tolerance)) is not None:
+            while (found := ends.take_nearest(_last_end(lines[parts[-1][0]], parts[-1][1]), tolerance)) is not None:
                 parts.append(found)
             parts = [(number, not turned) for number, turned in reversed(parts)]
-        result.append((min(numbers[number] for number, _ in parts), _chain([(lines[number], turned) for number, turned in parts])))
+        result.append((min(numbers[number] for number, _ in parts), _chain_lines([(lines[number], turned) for number, turned in parts])))
     return result
 
 
@@ -156,18 +156,18 @@ def join_in_order(lines, tolerance):
     return result
 
 
-def _last(line, turned):
+def _last_end(line, turned):
     return line[0] if turned else line[-1]
 
 
-def _chain(parts):
+def _chain_lines(parts):
     """One line of [(line, turned round)]."""
     return numpy.concatenate([line[::-1] if turned else line for line, turned in parts])
 
 
-def _trails(lines, radius):
+def _find_trails(lines, radius):
     """Lists of (line, turned round) that are connected, as few as possible. Ends within `radius` of each other are one node."""
-    nodes = _nodes(lines, max(radius, 1e-9))
+    nodes = _number_nodes(lines, max(radius, 1e-9))
     edges = list(zip(nodes[::2], nodes[1::2]))
     around = {}  # node: numbers of the edges there; one that begins and ends there twice
     for number, pair in enumerate(edges):
@@ -175,13 +175,13 @@ def _trails(lines, radius):
             around.setdefault(node, []).append(number)
     count = len(edges)
     trails = []
-    for component in _components(edges, around):
+    for component in _find_components(edges, around):
         odd = [node for node in component if len(around[node]) % 2]
         for pair in zip(odd[::2], odd[1::2]):  # edges of no line: there the pen is lifted
             for node in pair:
                 around[node].append(len(edges))
             edges.append(pair)
-        trail = _circuit(odd[0] if odd else component[0], edges, around)
+        trail = _find_circuit(odd[0] if odd else component[0], edges, around)
         lifts = [index for index, (number, _) in enumerate(trail) if number >= count]
         if lifts:
             trail = trail[lifts[0] + 1 :] + trail[: lifts[0] + 1]
@@ -193,17 +193,17 @@ def _trails(lines, radius):
                 trails.append(part)
                 part = []
         trails.append(part)
-    return [_forwards(trail) for trail in trails if trail]
+    return [_turn_forwards(trail) for trail in trails if trail]
 
 
-def _forwards(trail):
+def _turn_forwards(trail):
     """The trail from the end from which most of its lines go as they are."""
     if 2 * sum(turned for _, turned in trail) > len(trail):
         return [(number, not turned) for number, turned in reversed(trail)]
     return trail
 
 
-def _nodes(lines, radius):
+def _number_nodes(lines, radius):
     """The position of each end, by number; two for a line."""
     cells = {}
     nodes = []
@@ -221,7 +221,7 @@ def _nodes(lines, radius):
     return nodes
 
 
-def _components(edges, around):
+def _find_components(edges, around):
     """Lists of nodes that lines connect."""
     seen = set()
     for first in around:
@@ -238,7 +238,7 @@ def _components(edges, around):
         yield component
 
 
-def _circuit(start, edges, around):
+def _find_circuit(start, edges, around):
     """All edges of a component once, as (number, turned round), back to `start`; an even number meets at each node."""
     left = {}
     used = set()
@@ -262,7 +262,7 @@ def _circuit(start, edges, around):
     return circuit
 
 
-def travel(lines, position):
+def travel_length(lines, position):
     """How far a pen goes from `position` and between the lines."""
     if not lines:
         return 0.0

@@ -1,9 +1,9 @@
 """Finds room for several drawings on one sheet: each as low as it goes, then as far left, turned by quarters if that helps. Then in lower and
 lower strips: each as far left as it goes, then as low; the lowest strip counts in which all have room.
 
-    spots = nest(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
-    spots = nest(shapes, 400, 300, order=417)     # another nesting
-    outline([line, ...])                            # the shape of a drawing: a shapely geometry
+    spots = nest_shapes(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
+    spots = nest_shapes(shapes, 400, 300, order=417)     # another nesting
+    outline_of([line, ...])                            # the shape of a drawing: a shapely geometry
 
 A shape's place is sought on a grid of a millimetre, or more on large sheets, by FFT; shapes are covered by whole cells, so they keep the
 gap for certain. Large ones come first, more or less: with each number of an order some come earlier than others.
@@ -24,7 +24,7 @@ _LEAST_CHANCE = 0.2  # a shape may come as late as one with this share of its ar
 _STRIPS = 5  # tried: each takes as long as the nesting itself, or less
 
 
-def outline(lines):
+def outline_of(lines):
     """The area that lines enclose and cover."""
     parts = []
     for line in lines:
@@ -39,7 +39,7 @@ def outline(lines):
     return shapely.unary_union([shapely.Polygon(part.exterior) for part in shapely.get_parts(whole)])
 
 
-def nest(shapes, width, height, gap=0.0, turn=True, order=0):
+def nest_shapes(shapes, width, height, gap=0.0, turn=True, order=0):
     """The position of each shape: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
     there is no room for one. `order`: 0, the largest first; each other number is an order of its own, the same on every computer."""
     chance = random.Random(order)
@@ -71,15 +71,15 @@ def _place_shapes(shapes, turns, width, height, gap, turn, across):
             left, bottom, right, top = shape.bounds
             if right - left > width + 1e-9 or top - bottom > height + 1e-9:
                 continue
-            mask = _mask(shape, gap, cell)
-            spot = _free(sheet, mask, (right - left, top - bottom), (width, height), cell, gap, across)
+            mask = _mask_cells(shape, gap, cell)
+            spot = _find_free(sheet, mask, (right - left, top - bottom), (width, height), cell, gap, across)
             if spot and (best is None or spot[:2] < best[:2]):
                 best = (*spot, quarters, mask)
         if best is None:
             raise Failure("there is no room on the sheet of {:g} × {:g} mm for all {} drawings with {:g} mm between them", width, height, len(shapes), gap)
         _, _, row, column, quarters, mask = best
-        pad = _pad(gap, cell)
-        _put(sheet, mask, row - pad, column - pad)
+        pad = _pad_cells(gap, cell)
+        _put_mask(sheet, mask, row - pad, column - pad)
         found[index] = (column * cell, row * cell, quarters)
     return [found[index] for index in range(len(shapes))]
 
@@ -91,13 +91,13 @@ def turn_shape(shape, quarters):
     return affinity.translate(shape, -left, -bottom)
 
 
-def _pad(gap, cell):
+def _pad_cells(gap, cell):
     return math.ceil(gap / cell) + 1
 
 
-def _mask(shape, gap, cell):
-    """The cells that a shape covers or comes near, with a margin of _pad() cells around its box."""
-    pad = _pad(gap, cell)
+def _mask_cells(shape, gap, cell):
+    """The cells that a shape covers or comes near, with a margin of _pad_cells() cells around its box."""
+    pad = _pad_cells(gap, cell)
     _, _, right, top = shape.bounds
     rows, columns = math.ceil(top / cell) + 2 * pad, math.ceil(right / cell) + 2 * pad
     # A cell is free if its centre is farther from the shape than the gap and half a cell's diagonal.
@@ -108,10 +108,10 @@ def _mask(shape, gap, cell):
     return shapely.contains_xy(near, *numpy.meshgrid(xs, ys))
 
 
-def _free(sheet, mask, size, room, cell, gap, across):
+def _find_free(sheet, mask, size, room, cell, gap, across):
     """(top, column, row, column) of the lowest free place, `across`: (right end, row, row, column) of the leftmost; or None. Shapes on the
     sheet have the gap around them already; the new shape needs none."""
-    pad = _pad(gap, cell)
+    pad = _pad_cells(gap, cell)
     inner = mask[pad:-pad, pad:-pad]
     rows, columns = sheet.shape
     last_row = int((room[1] - size[1]) / cell + 1e-9)
@@ -128,7 +128,7 @@ def _free(sheet, mask, size, room, cell, gap, across):
     return (first * cell + size[0], second, second, first) if across else (first * cell + size[1], second, first, second)
 
 
-def _put(sheet, mask, row, column):
+def _put_mask(sheet, mask, row, column):
     top, left = max(0, row), max(0, column)
     part = mask[top - row :, left - column :]
     part = part[: sheet.shape[0] - top, : sheet.shape[1] - left]

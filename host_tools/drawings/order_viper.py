@@ -49,7 +49,7 @@ def apart(xs: ptr32, ys: ptr32, a: int, b: int) -> int:
 
 
 @micropython.viper
-def chance(state: ptr32, below: int) -> int:
+def next_random(state: ptr32, below: int) -> int:
     """Return the next random number, 0 to `below` - 1, by a linear congruence."""
     state[CHANCE] = (state[CHANCE] * 1103515245 + 12345) & 0x7FFFFFFF
     return (state[CHANCE] >> 8) % below
@@ -119,7 +119,7 @@ def search_all(state: ptr32, xs: ptr32, ys: ptr32, left: ptr32, end: int) -> int
 
 
 @micropython.viper
-def search(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, chain: ptr32, taken: ptr32, left: ptr32, end: int) -> int:
+def find_nearest(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, chain: ptr32, taken: ptr32, left: ptr32, end: int) -> int:
     """Return the end of a line that is left nearest to `end`."""
     row = end * NEAR
     for index in range(row, row + NEAR):
@@ -137,7 +137,7 @@ def add_nearest(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, ch
     count = state[COUNT]
     while most > 0 and state[LEFT] > 0:
         index = count - state[LEFT]
-        end = search(state, xs, ys, near, chain, taken, left, tour[index] ^ 1)
+        end = find_nearest(state, xs, ys, near, chain, taken, left, tour[index] ^ 1)
         tour[index + 1] = end
         line = end >> 1
         taken[line] = 1
@@ -152,7 +152,7 @@ def add_nearest(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, ch
 
 
 @micropython.viper
-def turn(state: ptr32, tour: ptr32, at: ptr32, log: ptr32, low: int, high: int):
+def reverse_lines(state: ptr32, tour: ptr32, at: ptr32, log: ptr32, low: int, high: int):
     """Turn round the lines of the indices `low` to `high`."""
     if state[LOGGED] >= 0:
         log[state[LOGGED]] = low
@@ -197,7 +197,7 @@ def queue_gap(state: ptr32, tour: ptr32, queue: ptr32, gap: int):
 
 
 @micropython.viper
-def put(state: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, first: int, last: int, gap: int, turned: int):
+def put_lines(state: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, first: int, last: int, gap: int, turned: int):
     """Put the lines of the indices `first` to `last` into a gap. The lines in between move along, in their direction."""
     size = last - first + 1
     low = first
@@ -205,16 +205,16 @@ def put(state: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, first: i
     if gap < first:
         low = gap + 1
         high = last
-    turn(state, tour, at, log, low, high)
+    reverse_lines(state, tour, at, log, low, high)
     if gap < first:
-        turn(state, tour, at, log, low + size, high)
+        reverse_lines(state, tour, at, log, low + size, high)
         if not turned:
-            turn(state, tour, at, log, low, low + size - 1)
+            reverse_lines(state, tour, at, log, low, low + size - 1)
         queue_gap(state, tour, queue, low + size - 1)
     else:
-        turn(state, tour, at, log, low, high - size)
+        reverse_lines(state, tour, at, log, low, high - size)
         if not turned:
-            turn(state, tour, at, log, high - size + 1, high)
+            reverse_lines(state, tour, at, log, high - size + 1, high)
         queue_gap(state, tour, queue, high - size)
     queue_gap(state, tour, queue, low - 1)
     queue_gap(state, tour, queue, high)
@@ -236,7 +236,7 @@ def move_before(
             gain -= apart(xs, ys, tour[first], beside)
             if gain > 0:
                 state[LENGTH] -= gain
-                put(state, tour, at, log, queue, first, there, gap, leaving)
+                put_lines(state, tour, at, log, queue, first, there, gap, leaving)
                 return 1
         first -= 1
     return 0
@@ -258,7 +258,7 @@ def move_behind(
             gain -= apart(xs, ys, tour[last] ^ 1, beside)
             if gain > 0:
                 state[LENGTH] -= gain
-                put(state, tour, at, log, queue, there, last, gap, 1 - leaving)
+                put_lines(state, tour, at, log, queue, there, last, gap, 1 - leaving)
                 return 1
         last += 1
     return 0
@@ -288,7 +288,7 @@ def join(
         gain -= apart(xs, ys, tour[low + 1], tour[high + 1]) if leaving else apart(xs, ys, tour[low] ^ 1, tour[high] ^ 1)
         if gain > 0 and high - low <= state[FARTHEST]:
             state[LENGTH] -= gain
-            turn(state, tour, at, log, low + 1, high)
+            reverse_lines(state, tour, at, log, low + 1, high)
             queue_gap(state, tour, queue, low)
             queue_gap(state, tour, queue, high)
             return 1
@@ -300,7 +300,7 @@ def join(
 
 
 @micropython.viper
-def better(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, end: int) -> int:
+def make_one_move(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, end: int) -> int:
     """Make one move that joins an end to a near one. Return whether there was one."""
     here = at[end >> 1]
     now = apart(xs, ys, end, tour[here + 1]) if tour[here] ^ 1 == end else apart(xs, ys, tour[here - 1] ^ 1, end)
@@ -326,7 +326,7 @@ def improve(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: pt
         end = queue[state[HEAD]]
         state[HEAD] = state[HEAD] + 1 if state[HEAD] + 1 < size else 0
         queue[size + end] = 0
-        while better(state, xs, ys, near, tour, at, log, queue, end):
+        while make_one_move(state, xs, ys, near, tour, at, log, queue, end):
             pass
         state[TRIED] += 1
     left = state[TAIL] - state[HEAD]
@@ -334,23 +334,23 @@ def improve(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: pt
 
 
 @micropython.viper
-def kick(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32):
+def kick_once(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32):
     """Swap two neighbouring pieces of the tour, improve the ends at the three seams, and undo both if the tour is not shorter. Wants three lines."""
     count = state[COUNT]
-    low = 1 + chance(state, count - 1)
-    middle = low + chance(state, PIECE)
+    low = 1 + next_random(state, count - 1)
+    middle = low + next_random(state, PIECE)
     if middle > count - 1:
         middle = count - 1
-    high = middle + 1 + chance(state, PIECE)
+    high = middle + 1 + next_random(state, PIECE)
     if high > count:
         high = count
     length = state[LENGTH]
     state[LOGGED] = 0
     seam = low + high - middle
     was = apart(xs, ys, tour[low - 1] ^ 1, tour[low]) + apart(xs, ys, tour[middle] ^ 1, tour[middle + 1]) + apart(xs, ys, tour[high] ^ 1, tour[high + 1])
-    turn(state, tour, at, log, low, high)
-    turn(state, tour, at, log, low, seam - 1)
-    turn(state, tour, at, log, seam, high)
+    reverse_lines(state, tour, at, log, low, high)
+    reverse_lines(state, tour, at, log, low, seam - 1)
+    reverse_lines(state, tour, at, log, seam, high)
     state[LENGTH] -= was - apart(xs, ys, tour[low - 1] ^ 1, tour[low]) - apart(xs, ys, tour[seam - 1] ^ 1, tour[seam])
     state[LENGTH] += apart(xs, ys, tour[high] ^ 1, tour[high + 1])
     queue_gap(state, tour, queue, low - 1)
@@ -362,7 +362,7 @@ def kick(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32
     if state[LENGTH] - length >= 0:
         while changes > 0:
             changes -= 2
-            turn(state, tour, at, log, log[changes], log[changes + 1])
+            reverse_lines(state, tour, at, log, log[changes], log[changes + 1])
         state[LENGTH] = length
 
 
@@ -370,5 +370,5 @@ def kick(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32
 def kick_often(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, times: int, most: int):
     """Kick `times` times, or until `most` comparisons have been made in all."""
     while times > 0 and state[TRIED] < most:
-        kick(state, xs, ys, near, tour, at, log, queue)
+        kick_once(state, xs, ys, near, tour, at, log, queue)
         times -= 1

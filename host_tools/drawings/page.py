@@ -1,7 +1,7 @@
 """The result of the readers of drawings: lines and filled areas, layer by layer, in px of 1/96 inch, y down.
 
     page = Page((width_px, height_px))
-    page.add(1, "cut", [Ink("#ff0000", lines, areas)])
+    page.add_inks(1, "cut", [Ink("#ff0000", lines, areas)])
     page.layers             # {1: [complex array, ...], ...}: x + iy
 """
 
@@ -43,7 +43,7 @@ class Page:
     lost_mm: float = 0.0  # of lines outside the page
     by_colour: bool = False  # a layer is a colour, in the order in which the file comes to them
 
-    def add(self, number, name, inks):
+    def add_inks(self, number, name, inks):
         for ink in inks:
             if not ink.lines and not ink.areas:
                 continue
@@ -55,7 +55,7 @@ class Page:
             if name:
                 self.names.setdefault(number, name)
 
-    def only(self, numbers):
+    def keep_layers(self, numbers):
         """Forget other layers."""
         self.layers = {number: self.layers[number] for number in numbers}
         self.fills = {number: self.fills.get(number, []) for number in numbers}
@@ -66,23 +66,23 @@ def move_lines(lines, change):
     return numpy.split(change(numpy.concatenate(lines)), numpy.cumsum([len(line) for line in lines[:-1]])) if lines else []
 
 
-def cut(inks, area, left_out):
+def cut_inks(inks, area, left_out):
     """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there. `left_out` counts a new edge that is not drawn
     because the area has a stroke and a part of that is left."""
-    return [_cut(ink, area, left_out) for ink in inks]
+    return [_cut_ink(ink, area, left_out) for ink in inks]
 
 
-def _cut(ink, area, left_out):
-    lines = svg_area.clip(ink.lines, area) if ink.lines else []
+def _cut_ink(ink, area, left_out):
+    lines = svg_area.clip_lines(ink.lines, area) if ink.lines else []
     whole = len(lines) == len(ink.lines) and all(kept is line for kept, line in zip(lines, ink.lines))
     areas = [each.intersection(area) for each in ink.areas]
     if whole:
         return replace(ink, areas=areas)
     if ink.rule:
-        lines = svg_area.edges(svg_area.fill_area(ink.lines, ink.rule).intersection(area))
+        lines = svg_area.edge_lines(svg_area.fill_area(ink.lines, ink.rule).intersection(area))
     elif ink.under and not lines:
-        return _cut(ink.under, area, left_out)
-    under = ink.under and _cut(ink.under, area, left_out)
+        return _cut_ink(ink.under, area, left_out)
+    under = ink.under and _cut_ink(ink.under, area, left_out)
     if under and under.lines:
         left_out[N_("new edge of an area at its clip path (its stroke is drawn)")] += 1
     return Ink(ink.colour, lines, areas, ink.rule, under)

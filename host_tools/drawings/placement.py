@@ -53,7 +53,7 @@ def table_mm(board):
     return tuple(steps / per_mm for steps, per_mm in zip(boards.travel_steps(board), boards.steps_per_mm(board)))
 
 
-def percent(factor):
+def percent_text(factor):
     """A factor in per cent; 100 only if it is exactly that, and never 0."""
     if factor < 1e-3:
         return f"{factor * 100:.2g}"
@@ -95,18 +95,18 @@ class Placement:
         self._box_px = box_px
         self.corner_px = (box_px[0], box_px[3])
         self.factor = options.scale or (fit_factor(box_px, board, options) if options.fit else 1.0)
-        self._stand(options)
+        self._place_origin(options)
         free = options.origin is None and options.scale is None and not options.fit
         if free and not self._has_room(outlines_px):
             size = [(high - low) * MM_PER_PX for low, high in (box_px[::2], box_px[1::2])]
             self.factor = min([1.0] + [table / length for table, length in zip(self._table, size) if length > 1e-9])
-            self._stand(options)
+            self._place_origin(options)
             if self.factor < 1:
                 if options.place == "page":
                     text = _("the page of {:.1f} × {:.1f} mm does not fit the table of {:g} × {:g} mm: drawn at {} %")
                 else:
                     text = _("the outlines of {:.1f} × {:.1f} mm do not fit the table of {:g} × {:g} mm: drawn at {} %")
-                self.notes.append(text.format(*size, *self._table, percent(self.factor)))
+                self.notes.append(text.format(*size, *self._table, percent_text(self.factor)))
         if not self._has_room(outlines_px):
             left, low, right, high = self.on_table(outlines_px)
             raise Failure(
@@ -115,7 +115,7 @@ class Placement:
                 right - left, high - low, left, low, self._table[0], self._table[1],
             )
 
-    def _stand(self, options):
+    def _place_origin(self, options):
         size = [(high - low) * MM_PER_PX * self.factor for low, high in (self._box_px[::2], self._box_px[1::2])]
         self.origin_mm = (0.0, 0.0)
         if options.fit or options.center:

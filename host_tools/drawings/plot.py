@@ -12,13 +12,13 @@ _PAGE = "#8a8a8a"
 
 def title_of_trace(name, rows):
     """Name and duration of a trace: from its first step to its end."""
-    from host_tools.programs.estimate import clock
+    from host_tools.programs.estimate import clock_text
 
     if not rows:
         return name
     moved = (row for before, row in zip(rows, rows[1:]) if (row.x, row.y) != (before.x, before.y))
     seconds = (rows[-1].t_us - next(moved, rows[-1]).t_us) / 1e6
-    return f"{name}, {clock(seconds)} ({seconds:.1f} s)"
+    return f"{name}, {clock_text(seconds)} ({seconds:.1f} s)"
 
 
 def strokes_of_trace(rows, steps_per_mm):
@@ -52,7 +52,7 @@ def show_box(axes, box, label, color, style="-"):
     axes.plot(xs, ys, color=color, linewidth=1.4, linestyle=style, label=label, zorder=1.5)
 
 
-def save(path, strokes, title, table=None, page=None, order=False):
+def save_picture(path, strokes, title, table=None, page=None, order=False):
     """Write the picture of `strokes` to `path`, with the reach of the machine and the page around it, each left, bottom,
     right, top in mm or None; `order`: colours from the first line to the last. Raises Failure if there are no strokes or it
     cannot be written."""
@@ -79,11 +79,11 @@ def save(path, strokes, title, table=None, page=None, order=False):
     start, end = strokes[0][1][0], strokes[-1][1][-1]
     axes.plot(*start, "o", color="#2a9d3f", markersize=8, label=_("start {:.1f}, {:.1f}", *start))
     axes.plot(*end, "s", color="#d03030", markersize=7, label=_("end {:.1f}, {:.1f}", *end))
-    finish(figure, axes, title)
+    finish_axes(figure, axes, title)
     write(figure, path)
 
 
-def finish(figure, axes, title):
+def finish_axes(figure, axes, title):
     """A path seen from above: the same scale both ways, in mm, the legend below."""
     axes.autoscale()
     axes.margins(0.04)

@@ -14,7 +14,7 @@ import numpy
 
 from host_tools.build.pc_kernels import kernels_of
 from host_tools.drawings import order_viper
-from host_tools.drawings.line_order import travel
+from host_tools.drawings.line_order import travel_length
 
 _KERNELS = "add_nearest", "apart", "improve", "kick_often"
 _SIDE = 32_767  # units of the longer side
@@ -43,10 +43,10 @@ def shorten(lines, place, progress=None):
     for number in range(starts):
         tour = _Tour(list(lines), place)
         tour.start(number)
-        tour.settle(lambda share: progress((number + share * 0.6) / starts))
-        tour.kick(lambda share: progress((number + 0.6 + share * 0.4) / starts))
-        tour.settle(lambda share: None)
-        made = min(made, tour.lines(), key=lambda each: travel(each, place))
+        tour.improve_tour(lambda share: progress((number + share * 0.6) / starts))
+        tour.kick_tour(lambda share: progress((number + 0.6 + share * 0.4) / starts))
+        tour.improve_tour(lambda share: None)
+        made = min(made, tour.lines_in_order(), key=lambda each: travel_length(each, place))
     return made
 
 
@@ -63,88 +63,88 @@ class _Tour:
         self._low = complex(points.real.min(), points.imag.min())
         size = max(numpy.ptp(points.real), numpy.ptp(points.imag), 1e-9)
         self._unit = _SIDE / size
-        self._state = _numbers(order_viper.STATE)
+        self._state = _zero_array(order_viper.STATE)
         self._state[order_viper.COUNT], self._state[order_viper.LOGGED] = self._count, -1
-        self._tour, self._at = _numbers(self._count + 2), _numbers(self._count + 1)
-        self._queue, self._log = _numbers(4 * self._count + 4), _numbers(order_viper.LOG)
-        self._locate()
+        self._tour, self._at = _zero_array(self._count + 2), _zero_array(self._count + 1)
+        self._queue, self._log = _zero_array(4 * self._count + 4), _zero_array(order_viper.LOG)
+        self._locate_ends()
 
-    def _locate(self):
+    def _locate_ends(self):
         """Positions of ends, in units, and the ends near each other."""
         places = (self._ends - self._low) * self._unit
         xs, ys = (numpy.clip(numpy.rint(part), 0, _SIDE).astype(numpy.int32) for part in (places.real, places.imag))
-        self._xs, self._ys = _array(xs), _array(ys)
-        self._near = _array(_nearest(xs, ys))
+        self._xs, self._ys = _int_array(xs), _int_array(ys)
+        self._near = _int_array(_nearest_ends(xs, ys))
 
     @property
-    def _places(self):
+    def _grid_arrays(self):
         return self._state, self._xs, self._ys
 
     @property
-    def _moves(self):
-        return *self._places, self._near, self._tour, self._at, self._log, self._queue
+    def _move_arrays(self):
+        return *self._grid_arrays, self._near, self._tour, self._at, self._log, self._queue
 
     def start(self, number=0):
         """By the nearest end, or in the order of the file, whichever is shorter; of an odd number the other one. Later numbers have closed
         lines begin at random."""
         count, state = self._count, self._state
         if number > 1:
-            self._closed.shuffle(self._ends, number)
-            self._locate()
+            self._closed.shuffle_starts(self._ends, number)
+            self._locate_ends()
         self._set_tour(2 * numpy.arange(count))
-        given = self.lines()
+        given = self.lines_in_order()
         chain, state[order_viper.SHIFT] = _chain_ends(self._xs, self._ys, count)
-        left = _array(numpy.concatenate([numpy.arange(count), numpy.arange(count)]))
+        left = _int_array(numpy.concatenate([numpy.arange(count), numpy.arange(count)]))
         state[order_viper.LEFT] = count
-        self._kernels.add_nearest(*self._places, self._near, self._tour, chain, _numbers(count + 1), left, count)
+        self._kernels.add_nearest(*self._grid_arrays, self._near, self._tour, chain, _zero_array(count + 1), left, count)
         self._set_tour(numpy.array(self._tour[1 : count + 1]))
-        if (travel(given, self._place) < travel(self.lines(), self._place)) != number % 2:
+        if (travel_length(given, self._place) < travel_length(self.lines_in_order(), self._place)) != number % 2:
             self._set_tour(2 * numpy.arange(count))
 
     def _set_tour(self, ends):
-        self._tour = _array(numpy.concatenate([[2 * self._count + 1], ends, [-1]]))
+        self._tour = _int_array(numpy.concatenate([[2 * self._count + 1], ends, [-1]]))
         at = numpy.zeros(self._count + 1, numpy.int32)
         at[ends >> 1] = numpy.arange(1, self._count + 1)
-        self._at = _array(at)
+        self._at = _int_array(at)
 
-    def _order(self):
+    def _tour_order(self):
         return numpy.frombuffer(self._tour, numpy.int32)[1:-1]
 
-    def lines(self):
+    def lines_in_order(self):
         """In the order of the tour."""
-        self._closed.turn(self._lines)
-        return [self._lines[end >> 1][:: -1 if end & 1 else 1] for end in self._order().tolist()]
+        self._closed.turn_lines(self._lines)
+        return [self._lines[end >> 1][:: -1 if end & 1 else 1] for end in self._tour_order().tolist()]
 
-    def settle(self, progress):
+    def improve_tour(self, progress):
         """Until no end has a better neighbour among the nearest, with closed lines entered where that suits."""
         state, size = self._state, 2 * self._count
         for number in range(_ROUNDS):
             progress(number / _ROUNDS)
-            before = self._length()
-            if self._closed.enter(self._ends, self._order()):
-                self._locate()
+            before = self._travel_length()
+            if self._closed.choose_starts(self._ends, self._tour_order()):
+                self._locate_ends()
             self._queue[: size + 1] = array("i", [*range(size), 0])
             self._queue[size + 1 :] = array("i", [1] * size + [0] * (len(self._queue) - 2 * size - 1))
             state[order_viper.HEAD], state[order_viper.TAIL] = 0, size
             state[order_viper.FARTHEST] = _FARTHEST
-            while state[order_viper.TRIED] < _MOST_TRIED // self._share and self._kernels.improve(*self._moves, _CHUNK // self._share):
+            while state[order_viper.TRIED] < _MOST_TRIED // self._share and self._kernels.improve(*self._move_arrays, _CHUNK // self._share):
                 progress(number / _ROUNDS)
-            if self._length() > before * (1 - 1e-3):
+            if self._travel_length() > before * (1 - 1e-3):
                 return
 
-    def _length(self):
-        ends = self._ends[self._order()]
-        stops = numpy.concatenate([[self._place], self._ends[self._order()[:-1] ^ 1]])
+    def _travel_length(self):
+        ends = self._ends[self._tour_order()]
+        stops = numpy.concatenate([[self._place], self._ends[self._tour_order()[:-1] ^ 1]])
         return float(abs(ends - stops).sum())
 
-    def kick(self, progress):
+    def kick_tour(self, progress):
         """Let pieces change places."""
         state, tried = self._state, order_viper.TRIED
         kicks = min(_KICKS_A_LINE * self._count, _KICKS, _MOST_KICKED // self._count) // self._share
         state[order_viper.FARTHEST] = _FARTHEST_KICKED
         for number in range(20 if self._count > 3 else 0):
             progress(number / 20)
-            self._kernels.kick_often(*self._moves, kicks // 20, _MOST_TRIED // self._share)
+            self._kernels.kick_often(*self._move_arrays, kicks // 20, _MOST_TRIED // self._share)
 
 
 class _Closed:
@@ -160,14 +160,14 @@ class _Closed:
         self._chosen = numpy.zeros(len(parts), int)  # vertices
         self._turned = self._chosen.copy()  # as the lines have them
 
-    def shuffle(self, ends, seed):
+    def shuffle_starts(self, ends, seed):
         """Choose vertices at random."""
         if len(self._numbers):
             sizes = numpy.diff([*self._firsts, len(self.points)])
             self._chosen = numpy.random.default_rng(seed).integers(0, sizes)
             ends[2 * self._numbers] = ends[2 * self._numbers + 1] = self.points[self._firsts + self._chosen]
 
-    def enter(self, ends, order):
+    def choose_starts(self, ends, order):
         """Choose the vertices that make the ways to a line and on from it shortest, of every other line in turn. Return whether `ends` have changed."""
         if not len(self._numbers):
             return False
@@ -190,7 +190,7 @@ class _Closed:
             ends[2 * self._numbers[here]] = ends[2 * self._numbers[here] + 1] = self.points[first[here]]
         return bool((old != self._chosen).any())
 
-    def turn(self, lines):
+    def turn_lines(self, lines):
         """Let the lines begin at the vertices that were chosen."""
         for number, first, size in zip(self._numbers.tolist(), self._chosen - self._turned, numpy.diff([*self._firsts, len(self.points)])):
             if first:
@@ -199,17 +199,17 @@ class _Closed:
         self._turned = self._chosen.copy()
 
 
-def _numbers(count):
+def _zero_array(count):
     return array("i", bytes(4 * count))
 
 
-def _array(numbers):
+def _int_array(numbers):
     made = array("i")
     made.frombytes(numpy.ascontiguousarray(numbers, numpy.int32).tobytes())
     return made
 
 
-def _nearest(xs, ys):
+def _nearest_ends(xs, ys):
     """Of each end the order_viper.NEAR nearest ones of other lines, among those that are near on two space-filling curves (Morton, 1966): a
     grid would have most of a drawing in a few cells. Of the pen's first place, the last two, there are none."""
     count = len(xs) - 2
@@ -217,7 +217,7 @@ def _nearest(xs, ys):
     steps = numpy.array([each for each in range(-_MORTON, _MORTON + 1) if each])
     curves = []
     for shift in _SHIFTED:
-        order = numpy.argsort(_morton(xs[:-2] + shift) | _morton(ys[:-2] + shift) << 1, kind="stable").astype(numpy.int32)
+        order = numpy.argsort(_spread_bits(xs[:-2] + shift) | _spread_bits(ys[:-2] + shift) << 1, kind="stable").astype(numpy.int32)
         rank = numpy.empty(count, numpy.int32)
         rank[order] = numpy.arange(count)
         curves.append((order, rank))
@@ -238,7 +238,7 @@ def _nearest(xs, ys):
     return found.ravel()
 
 
-def _morton(numbers):
+def _spread_bits(numbers):
     """The bits of numbers below 2^16, a gap behind each."""
     spread = numbers.astype(numpy.int64)
     for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
@@ -260,4 +260,4 @@ def _chain_ends(xs, ys, count):
     chain[order[:-1][same]] = order[1:][same]
     heads = numpy.flatnonzero(numpy.append(True, ~same))
     chain[size + 2 + cells[order[heads]]] = order[heads]
-    return _array(chain), shift
+    return _int_array(chain), shift

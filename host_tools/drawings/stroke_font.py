@@ -1,7 +1,7 @@
 """Letters of single lines, as pens write them: Hershey's Roman Simplex, by the package Hershey-Fonts, the signs of measures, and letters
 with accents, which it has not, of their parts.
 
-    strokes = letter("A")           # complex arrays, y up; capitals are 1 high and stand on 0; x around 0, the widest 1
+    strokes = letter_strokes("A")           # complex arrays, y up; capitals are 1 high and stand on 0; x around 0, the widest 1
 """
 
 import unicodedata
@@ -12,7 +12,7 @@ import numpy
 _HIGH, _WIDE, _BASE = 21.0, 16.0, 9.0  # capitals, and where they stand, in the font's own units
 _SAME = {"\u2212": "-", "\u2013": "-", "\u2014": "-", "\u2010": "-", "\u2011": "-", "\u00ad": "-", "\u03bc": "\u00b5", "\u00ba": "\u00b0", "\u2019": "'", "\u00a0": " "}
 _RING = [0.16 * numpy.exp(1j * numpy.pi * turn / 4) + 0.84j for turn in range(9)]
-_SIGNS = {  # strokes as letter() returns them
+_SIGNS = {  # strokes as letter_strokes() returns them
     "\u00b0": [_RING],
     "\u00b1": [[-0.3 + 0.55j, 0.3 + 0.55j], [0.25j, 0.85j], [-0.3 + 0j, 0.3 + 0j]],
     "\u00b5": [[-0.35 - 0.33j, -0.25 + 0.67j], [-0.31 + 0.15j, -0.22 + 0j, 0j, 0.14 + 0.06j, 0.25 + 0.2j], [0.3 + 0.67j, 0.24 + 0.1j, 0.28 + 0j, 0.38 + 0.03j]],
@@ -35,7 +35,7 @@ _JOINED = {"\u00c6": "AE", "\u00e6": "ae", "\u0152": "OE", "\u0153": "oe"}
 
 
 @lru_cache(maxsize=1)
-def _font():
+def _load_font():
     from HersheyFonts import HersheyFonts
 
     font = HersheyFonts()
@@ -44,14 +44,14 @@ def _font():
 
 
 @lru_cache(maxsize=256)
-def letter(text):
+def letter_strokes(text):
     """The strokes of a letter; None if the font has not got it."""
     text = _SAME.get(text, text)
     if text in _SIGNS:
         return [numpy.array(stroke) for stroke in _SIGNS[text]]
-    if text not in _font().all_glyphs:
+    if text not in _load_font().all_glyphs:
         return _of_parts(text)
-    strokes = [numpy.array([x + 1j * y for x, y in stroke]) for stroke in _font().strokes_for_text(text) if len(list(stroke))]
+    strokes = [numpy.array([x + 1j * y for x, y in stroke]) for stroke in _load_font().strokes_for_text(text) if len(list(stroke))]
     if not strokes:
         return []
     everything = numpy.concatenate(strokes).real
@@ -63,17 +63,17 @@ def letter(text):
 def _of_parts(text):
     """The strokes of a letter that the font has not, of others; None if there are none."""
     if text in _TURNED:
-        return [(2 / 3) * 1j - stroke for stroke in letter(_TURNED[text])]
+        return [(2 / 3) * 1j - stroke for stroke in letter_strokes(_TURNED[text])]
     if text in _STRUCK:
-        strokes = letter(_STRUCK[text])
+        strokes = letter_strokes(_STRUCK[text])
         high = max(stroke.imag.max() for stroke in strokes)
         return [*strokes, numpy.array([-0.45 - 0.05j, 0.45 + (high + 0.05) * 1j])]
     if text in _JOINED:
-        return [stroke.real * 0.55 + side + 1j * stroke.imag for side, each in zip((-0.22, 0.22), _JOINED[text]) for stroke in letter(each)]
+        return [stroke.real * 0.55 + side + 1j * stroke.imag for side, each in zip((-0.22, 0.22), _JOINED[text]) for stroke in letter_strokes(each)]
     base, *marks = unicodedata.normalize("NFD", text)
-    if not marks or base not in _font().all_glyphs or any(mark not in _ACCENTS for mark in marks):
+    if not marks or base not in _load_font().all_glyphs or any(mark not in _ACCENTS for mark in marks):
         return None
-    strokes = letter(base)
+    strokes = letter_strokes(base)
     if base in "ij":
         strokes = [stroke for stroke in strokes if stroke.imag.min() < 0.8]  # without its dot
     top = 2j / 3 if base.islower() else 1j

@@ -1,7 +1,7 @@
 """Polylines (complex numbers, x + iy) cut by areas, and areas made of closed polylines.
 
     area = fill_area(rings, "evenodd")                 # a shapely geometry
-    inside = clip(lines, area)
+    inside = clip_lines(lines, area)
 
 Lines are cut segment by segment, so that a line that crosses itself stays one line.
 """
@@ -27,12 +27,12 @@ def fill_area(rings, rule):
     if not closed:
         return shapely.Polygon()
     _check_crossings(closed)
-    drawn = shapely.unary_union([shapely.LineString(_pairs(ring)) for ring in closed])
+    drawn = shapely.unary_union([shapely.LineString(_xy_pairs(ring)) for ring in closed])
     faces = shapely.get_parts(shapely.polygonize([drawn]))
     inside = []
     for face in faces:
         position = shapely.point_on_surface(face)
-        turns = sum(_winding(ring, complex(position.x, position.y)) for ring in closed)
+        turns = sum(_winding_number(ring, complex(position.x, position.y)) for ring in closed)
         if turns % 2 if rule == "evenodd" else turns:
             inside.append(face)
     return shapely.unary_union(inside) if inside else shapely.Polygon()
@@ -40,7 +40,7 @@ def fill_area(rings, rule):
 
 def _check_crossings(rings):
     """Raise ValueError if edges cross too often: each crossing makes a face, and each face is compared with each edge."""
-    pairs = [_pairs(ring) for ring in rings]
+    pairs = [_xy_pairs(ring) for ring in rings]
     edges = shapely.linestrings(numpy.concatenate([numpy.stack((each[:-1], each[1:]), axis=1) for each in pairs]))
     if len(edges) < _FEW_EDGES:
         return
@@ -51,12 +51,12 @@ def _check_crossings(rings):
             raise ValueError(f"an area whose edges cross more than {_MOST_CROSSINGS // 2} times")
 
 
-def grow(area, by):
+def grow_area(area, by):
     """`area`, its edges `by` further out: a line along an edge lies within it for certain."""
     return shapely.buffer(area, by, join_style="mitre", cap_style="square")
 
 
-def edges(area):
+def edge_lines(area):
     """The closed lines around an area and its holes."""
     rings = []
     for part in shapely.get_parts(area):
@@ -65,7 +65,7 @@ def edges(area):
     return [numpy.array([complex(*place) for place in ring.coords]) for ring in rings]
 
 
-def clip(lines, area):
+def clip_lines(lines, area):
     """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same position twice."""
     shapely.prepare(area)
     left, top, right, bottom = area.bounds if not area.is_empty else (0.0, 0.0, -1.0, -1.0)
@@ -79,7 +79,7 @@ def clip(lines, area):
         if in_box and box_is_area:
             kept.append(line)
         else:
-            kept += _cut(line, area)
+            kept += _cut_line(line, area)
     return kept
 
 
@@ -95,12 +95,12 @@ def subtract_area(lines, area):
             kept.append(line)
         else:
             around = rectangle(min(xs.min(), left), min(ys.min(), top), max(xs.max(), right), max(ys.max(), bottom))
-            kept += _cut(line, shapely.difference(grow(around, max(right - left, bottom - top)), area))
+            kept += _cut_line(line, shapely.difference(grow_area(around, max(right - left, bottom - top)), area))
     return kept
 
 
-def _cut(line, area):
-    points = _pairs(_without_repeats(line))
+def _cut_line(line, area):
+    points = _xy_pairs(_without_repeats(line))
     if len(points) < 2:
         return [line] if shapely.intersects(area, shapely.Point(points[0])) else []
     if shapely.covers(area, shapely.LineString(points)):
@@ -111,21 +111,21 @@ def _cut(line, area):
     runs = []
     for segment, is_whole, is_touched, start, end in zip(segments, whole, touched, points, points[1:]):
         if is_whole:
-            _append(runs, complex(*start), complex(*end))
+            _append_piece(runs, complex(*start), complex(*end))
         elif is_touched:
-            for a, b in _pieces(shapely.intersection(segment, area), complex(*start)):
-                _append(runs, a, b)
+            for a, b in _segment_pieces(shapely.intersection(segment, area), complex(*start)):
+                _append_piece(runs, a, b)
     return [numpy.array(run) for run in runs]
 
 
-def _append(runs, a, b):
+def _append_piece(runs, a, b):
     if runs and abs(runs[-1][-1] - a) < _SAME_PX:
         runs[-1].append(b)
     else:
         runs.append([a, b])
 
 
-def _pieces(geometry, start):
+def _segment_pieces(geometry, start):
     """The remaining parts of a segment, as pairs of positions in its direction."""
     found = []
     for part in shapely.get_parts(geometry):
@@ -139,11 +139,11 @@ def _without_repeats(line):
     return line[numpy.append(True, line[1:] != line[:-1])]
 
 
-def _pairs(line):
+def _xy_pairs(line):
     return numpy.column_stack((line.real, line.imag))
 
 
-def _winding(ring, position):
+def _winding_number(ring, position):
     """How often a closed ring goes round `position`, which is not on it."""
     turned = numpy.angle((ring[1:] - position) / (ring[:-1] - position)).sum()
     return round(turned / (2 * numpy.pi))

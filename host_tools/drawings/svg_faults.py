@@ -2,7 +2,7 @@
 
     with name_faults(path, element):
         …       # what goes wrong with its numbers becomes a Failure that names the element
-    page.left_out[N_("…")] += unreadable(element)       # attributes that are no numbers: as in a browser, they are as if missing
+    page.left_out[N_("…")] += count_unreadable(element)       # attributes that are no numbers: as in a browser, they are as if missing
 """
 
 import contextlib
@@ -24,12 +24,12 @@ _BY_LETTERS = re.compile(r"\d(rem|ex|ch)\b")
 _WORDS = frozenset("auto none inherit initial medium small large smaller larger x-small x-large xx-small xx-large".split())
 
 
-def unreadable(element):
+def count_unreadable(element):
     """How many attributes of an element should be numbers and are not: nan, inf, words."""
     return sum(text.strip() not in _WORDS and not are_lengths(text) for name, text in element.items() if name in _LENGTHS)
 
 
-def by_letters(element):
+def count_by_letters(element):
     """How many lengths of an element are in a unit of letters that depends on more than their size."""
     return sum(bool(_BY_LETTERS.search(text)) for name, text in element.items() if name in _LENGTHS)
 

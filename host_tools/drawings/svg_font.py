@@ -1,8 +1,8 @@
 """Fonts of an SVG file's text, among those of this computer.
 
-    font = of(style, left_out, "text")              # matplotlib's, from font-family, font-weight and font-style
-    ascent, descent, height_of_x = heights(font)    # parts of its size
-    count = missing(font, "text")                   # letters that neither it nor those that stand in for it have
+    font = font_of(style, left_out, "text")              # matplotlib's, from font-family, font-weight and font-style
+    ascent, descent, height_of_x = font_heights(font)    # parts of its size
+    count = count_missing(font, "text")                   # letters that neither it nor those that stand in for it have
 
 A font that is not installed is replaced by the one that fontconfig takes for its list of names, so that letters are as in librsvg, browsers and
 Inkscape on the same computer; without fontconfig's `fc-match` matplotlib chooses. `left_out` names each stand-in. A font that was installed
@@ -26,7 +26,7 @@ _USUAL = "Times New Roman,Liberation Serif,serif"  # of a text that names no fon
 
 
 @lru_cache(maxsize=64)
-def heights(font):
+def font_heights(font):
     """Ascent, descent and height of an x, as parts of a font's size."""
     from matplotlib import font_manager
     from matplotlib.textpath import text_to_path
@@ -35,7 +35,7 @@ def heights(font):
     return file.ascender / file.units_per_EM, -file.descender / file.units_per_EM, text_to_path.get_text_width_height_descent("x", font, False)[1] / EM
 
 
-def of(style, left_out, text=""):
+def font_of(style, left_out, text=""):
     """matplotlib's font of a style, with fonts added for letters of `text` that it lacks. A font that is not installed is named in `left_out`,
     with its replacement."""
     named = tuple(part.strip().strip("'\"") for part in style.get("font-family", "").split(",") if part.strip())
@@ -44,9 +44,9 @@ def of(style, left_out, text=""):
     chosen, font, replaced = _find_font(families, style.get("font-weight", 400), slant)
     if slant in _SLANTED and not _is_slanted(font):
         left_out[N_("slanted letters that the font has not (drawn upright)")] = 1
-    strange = "".join(sorted(each for each in set(text) if missing(font, each)))
+    strange = "".join(sorted(each for each in set(text) if count_missing(font, each)))
     if strange:
-        font = _with(font, (chosen, *(_load_installed(families, f":charset={ord(each):x}") for each in strange)))
+        font = _with_families(font, (chosen, *(_load_installed(families, f":charset={ord(each):x}") for each in strange)))
     if replaced and named:
         left_out[_("the font {}, which is not on this computer ({} is drawn)", families[0], replaced)] = 1
     return font
@@ -79,7 +79,7 @@ def _load_installed(families, of_which=""):
     """The family that fontconfig takes for a list, made known to matplotlib, whose own list may be older; "" without one."""
     from matplotlib import font_manager
 
-    name = _fontconfig(families, of_which)
+    name = _ask_fontconfig(families, of_which)
     if name and name.lower() not in _font_names():
         for file in _files_of(name):
             with contextlib.suppress(OSError, RuntimeError, ValueError, KeyError):  # a kind of font that matplotlib does not read
@@ -87,20 +87,20 @@ def _load_installed(families, of_which=""):
     return _font_names().get(name.lower(), "")
 
 
-def _with(font, families):
+def _with_families(font, families):
     """The same, of several families: a letter comes from the first that has it."""
     font = font.copy()
     font.set_family([name for name in dict.fromkeys(families) if name] or font.get_family())
     return font
 
 
-def missing(font, text):
+def count_missing(font, text):
     """How many letters of `text` no family of a font has."""
-    return sum(unicodedata.category(each)[0] not in "CZ" and not any(ord(each) in letters for letters in _letters(font)) for each in text)
+    return sum(unicodedata.category(each)[0] not in "CZ" and not any(ord(each) in letters for letters in _letter_sets(font)) for each in text)
 
 
 @lru_cache(maxsize=256)
-def _letters(font):
+def _letter_sets(font):
     """The letters of each of a font's families."""
     from matplotlib import font_manager
 
@@ -120,21 +120,21 @@ def _is_slanted(font):
 
 
 @lru_cache(maxsize=1024)
-def _fontconfig(families, of_which=""):
+def _ask_fontconfig(families, of_which=""):
     """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: further conditions."""
-    return _ask("fc-match", "-f", "%{family[0]}", _pattern(families) + of_which)
+    return _run_program("fc-match", "-f", "%{family[0]}", _fontconfig_pattern(families) + of_which)
 
 
 def _files_of(name):
     """The files of a family, as fontconfig lists them."""
-    return [file for file in _ask("fc-list", "-f", "%{file}\n", _pattern([name])).splitlines() if file]
+    return [file for file in _run_program("fc-list", "-f", "%{file}\n", _fontconfig_pattern([name])).splitlines() if file]
 
 
-def _pattern(families):
+def _fontconfig_pattern(families):
     return ",".join(re.sub(r"([\\,:=-])", r"\\\1", name) for name in families)
 
 
-def _ask(*words):
+def _run_program(*words):
     try:
         return subprocess.run(words, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):

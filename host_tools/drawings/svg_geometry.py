@@ -1,10 +1,10 @@
 """Shapes of an SVG file as polylines: arrays of complex numbers x + iy.
 
     segments, whole = svg_path.read("M0 0C1 1 2 2 3 0")
-    lines = flatten(segments, 0.1)        # chords at most 0.1 from their curves
-    lines = transform_lines(lines, compose(parent, matrix("rotate(30)")))
+    lines = flatten_segments(segments, 0.1)        # chords at most 0.1 from their curves
+    lines = transform_lines(lines, compose_matrices(parent, read_matrix("rotate(30)")))
 
-A matrix is (a, b, c, d, e, f) as in SVG's matrix(): x' = ax + cy + e, y' = bx + dy + f.
+A matrix is (a, b, c, d, e, f) as in SVG's read_matrix(): x' = ax + cy + e, y' = bx + dy + f.
 """
 
 import math
@@ -42,7 +42,7 @@ def check_bound(value, most=_FARTHEST_PX):
     return value
 
 
-def finite(value):
+def check_finite(value):
     """The same number, in units of the file's own. Raises TooFar."""
     return check_bound(value, _LARGEST)
 
@@ -61,17 +61,17 @@ def on_page(lines):
     return lines
 
 
-def length(text, whole=None, font_size=16.0, default=0.0):
+def length_px(text, whole=None, font_size=16.0, default=0.0):
     """A length in px; `whole` is 100 %. `default` if there is none, or it cannot be read. Raises TooFar."""
     match = _LENGTH.match(text) if text else None
     if not match:
         return default
     number, unit = float(match[1]), match[2].lower()
     if unit == "%":
-        return default if whole is None else finite(number * whole / 100)
+        return default if whole is None else check_finite(number * whole / 100)
     if unit in _OF_LETTERS:
-        return finite(number * font_size * _OF_LETTERS[unit])
-    return finite(number * _PX[unit]) if unit in _PX else default
+        return check_finite(number * font_size * _OF_LETTERS[unit])
+    return check_finite(number * _PX[unit]) if unit in _PX else default
 
 
 def are_lengths(text):
@@ -84,23 +84,23 @@ def up_to_a_mistake(text):
     """(numbers of a list of points up to its first mistake, True if there is none). Raises TooFar."""
     text, found, at = text or "", [], 0
     while match := _NEXT.match(text, at):
-        found.append(finite(float(match[1])))
+        found.append(check_finite(float(match[1])))
         at = match.end()
     return found, len(found) % 2 == 0 and not text[at:].strip(", \t\r\n")
 
 
-def numbers(text):
+def read_numbers(text):
     """Raises TooFar."""
     found = list(map(float, _NUMBER.findall(text or "")))
     if found:
-        finite(max(found, key=abs))
+        check_finite(max(found, key=abs))
     return found
 
 
 # --- matrices
 
 
-def matrix(text, viewport=(0.0, 0.0), font_size=16.0):
+def read_matrix(text, viewport=(0.0, 0.0), font_size=16.0):
     """The matrix of a transform attribute, or of the property of a style sheet, which has units. `viewport`: the size that per cent refer to.
     Raises ValueError if it cannot be read, TooFar."""
     text = text or ""
@@ -109,31 +109,31 @@ def matrix(text, viewport=(0.0, 0.0), font_size=16.0):
         return found
     for name, arguments in _STEP.findall(text):
         parts = [part for part in _APART.split(arguments.strip()) if part]
-        given = [_argument(name, index, part, viewport, font_size) for index, part in enumerate(parts)]
-        found = compose(found, _step(name, given))
+        given = [_read_argument(name, index, part, viewport, font_size) for index, part in enumerate(parts)]
+        found = compose_matrices(found, _step_matrix(name, given))
     if _STEP.sub("", text).replace(",", " ").strip():
         raise ValueError(f"{text!r} is no transform")
     return found
 
 
-def _argument(name, index, text, viewport, font_size):
+def _read_argument(name, index, text, viewport, font_size):
     match = _LENGTH.match(text)
     if not match:
         raise ValueError(f"{text!r} is no number")
     unit = match[2].lower()
     if unit in _TURN:
-        return finite(float(match[1]) * _TURN[unit])
+        return check_finite(float(match[1]) * _TURN[unit])
     if name.startswith(("translate", "rotate")):
         down = name == "translateY" or index == (2 if name == "rotate" else 1)
-        return length(text, viewport[down], font_size, math.nan)
+        return length_px(text, viewport[down], font_size, math.nan)
     if unit == "%" and name.startswith("scale"):
-        return finite(float(match[1]) / 100)
+        return check_finite(float(match[1]) / 100)
     if unit:
         raise ValueError(f"{text!r} is no number")
-    return finite(float(match[1]))
+    return check_finite(float(match[1]))
 
 
-def _step(name, given):
+def _step_matrix(name, given):
     if (name, len(given)) == ("matrix", 6):
         return tuple(given)
     if name == "translate" and len(given) in (1, 2):
@@ -157,26 +157,26 @@ def _step(name, given):
     raise ValueError(f"{name} does not want {len(given)} numbers")
 
 
-def around(by, text, viewport, font_size):
+def matrix_about(by, text, viewport, font_size):
     """A matrix about a transform-origin, by default 0 0. Raises ValueError, TooFar."""
     words = (text or "0 0").replace(",", " ").split()
     shares = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
     if words[0] in ("top", "bottom") or len(words) > 1 and words[1] in ("left", "right"):
         words[:2] = reversed((*words, "center")[:2])
-    x, y = (length(shares.get(word, word), whole, font_size, math.nan) for word, whole in zip((*words, "center")[:2], viewport))
+    x, y = (length_px(shares.get(word, word), whole, font_size, math.nan) for word, whole in zip((*words, "center")[:2], viewport))
     if math.isnan(x) or math.isnan(y):
         raise ValueError(f"{text!r} is no place")
-    return compose(compose((1.0, 0.0, 0.0, 1.0, x, y), by), (1.0, 0.0, 0.0, 1.0, -x, -y))
+    return compose_matrices(compose_matrices((1.0, 0.0, 0.0, 1.0, x, y), by), (1.0, 0.0, 0.0, 1.0, -x, -y))
 
 
-def compose(outer, inner):
+def compose_matrices(outer, inner):
     """The matrix that first does `inner`, then `outer`."""
     a, b, c, d, e, f = outer
     p, q, r, s, t, u = inner
-    return tuple(finite(each) for each in (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f))
+    return tuple(check_finite(each) for each in (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f))
 
 
-def inverse(of):
+def inverse_of(of):
     """The inverse matrix, or None if there is none."""
     a, b, c, d, e, f = of
     size = a * d - b * c
@@ -187,7 +187,7 @@ def inverse(of):
 
 def box_matrix(lines, matrix):
     """From 0…1 to the box of `lines`, in the coordinates of `matrix`."""
-    back = inverse(matrix)
+    back = inverse_of(matrix)
     if back is None:
         return IDENTITY
     positions = numpy.concatenate(transform_lines(lines, back))
@@ -196,7 +196,7 @@ def box_matrix(lines, matrix):
 
 
 @lru_cache(maxsize=256)
-def stretch(of):
+def stretch_of(of):
     """The largest factor by which a matrix lengthens anything."""
     return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))
 
@@ -234,54 +234,54 @@ def view_box_matrix(view_box, aspect, x, y, width, height):
 def shape_path(tag, lengths, points):
     """The path data of a basic shape, or None if it is not drawn. `lengths(name, axis)` reads an attribute."""
     if tag == "line":
-        return _data("M", lengths("x1", "x"), lengths("y1", "y"), "L", lengths("x2", "x"), lengths("y2", "y"))
+        return _path_data("M", lengths("x1", "x"), lengths("y1", "y"), "L", lengths("x2", "x"), lengths("y2", "y"))
     if tag in ("polyline", "polygon"):
         positions, _ = up_to_a_mistake(points)
         if len(positions) < 4:
             return None
-        return _data("M", *positions[: len(positions) // 2 * 2]) + ("Z" if tag == "polygon" else "")
+        return _path_data("M", *positions[: len(positions) // 2 * 2]) + ("Z" if tag == "polygon" else "")
     if tag == "rect":
-        return _rect(lengths)
+        return _rect_path(lengths)
     x, y = lengths("cx", "x"), lengths("cy", "y")
-    across, down = [lengths("r", None)] * 2 if tag == "circle" else _radii(lengths)
+    across, down = [lengths("r", None)] * 2 if tag == "circle" else _corner_radii(lengths)
     if across <= 0 or down <= 0:
         return None
     arc = ("A", across, down, 0, 0, 1)
-    return _data("M", x + across, y, *arc, x, y + down, *arc, x - across, y, *arc, x, y - down, *arc, x + across, y, "Z")
+    return _path_data("M", x + across, y, *arc, x, y + down, *arc, x - across, y, *arc, x, y - down, *arc, x + across, y, "Z")
 
 
-def _radii(lengths):
+def _corner_radii(lengths):
     """rx and ry; one that is missing or negative is the other."""
     across, down = (value if value is not None and value >= 0 else None for value in (lengths("rx", "x", None), lengths("ry", "y", None)))
     return (across if across is not None else down or 0.0), (down if down is not None else across or 0.0)
 
 
-def _rect(lengths):
+def _rect_path(lengths):
     x, y, width, height = lengths("x", "x"), lengths("y", "y"), lengths("width", "x"), lengths("height", "y")
     if width <= 0 or height <= 0:
         return None
-    across, down = _radii(lengths)
+    across, down = _corner_radii(lengths)
     across, down = min(across, width / 2), min(down, height / 2)
     if across <= 0 or down <= 0:
-        return _data("M", x, y, "H", x + width, "V", y + height, "H", x, "Z")
+        return _path_data("M", x, y, "H", x + width, "V", y + height, "H", x, "Z")
     arc = ("A", across, down, 0, 0, 1)
     right, bottom = x + width, y + height
-    return _data(
+    return _path_data(
         "M", x + across, y, "H", right - across, *arc, right, y + down, "V", bottom - down, *arc, right - across, bottom,
         "H", x + across, *arc, x, bottom - down, "V", y + down, *arc, x + across, y, "Z",
     )  # fmt: skip
 
 
-def _data(*parts):
+def _path_data(*parts):
     return " ".join(part if isinstance(part, str) else repr(part) for part in parts)
 
 
-def flatten(segments, deviation):
+def flatten_segments(segments, deviation):
     """Polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without
     length is its position twice; a move that nothing follows is nothing."""
     lines, line = [], []
 
-    def finish():
+    def finish_line():
         if len(line) > 1:
             array = numpy.array(line)
             moved = array[1:] != array[:-1]
@@ -289,59 +289,59 @@ def flatten(segments, deviation):
 
     for kind, *points in segments:
         if kind == "M":
-            finish()
+            finish_line()
             line = points
         elif kind == "L":
             line += points[0]
         elif kind == "C":
-            line += cubic(line[-1], *points, deviation)
+            line += flatten_cubic(line[-1], *points, deviation)
         elif kind == "Q":
-            line += quadratic(line[-1], *points, deviation)
+            line += flatten_quadratic(line[-1], *points, deviation)
         elif kind == "A":
-            line += _arc(*points, deviation)
+            line += _flatten_arc(*points, deviation)
         else:
             line += points
-            finish()
+            finish_line()
             line = points
-    finish()
+    finish_line()
     return lines
 
 
-def _inner(count, *points):
+def _inner_positions(count, *points):
     """Positions between the ends of a Bézier curve of these control points, where its `count` chords meet."""
-    weights = _kept_weights if count <= _MOST_KEPT else _weights
+    weights = _kept_weights if count <= _MOST_KEPT else _bezier_weights
     return (weights(count, len(points)) @ numpy.array(points)).tolist()
 
 
-def _weights(count, size):
+def _bezier_weights(count, size):
     """Weights (Bernstein) of `size` control points, 4 or 3, at the `count` − 1 inner positions: a row each."""
     t = numpy.linspace(0, 1, count + 1)[1:-1, None]
     s = 1 - t
     return numpy.hstack((s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t) if size == 4 else (s * s, 2 * s * t, t * t))
 
 
-_kept_weights = lru_cache(maxsize=None)(_weights)
+_kept_weights = lru_cache(maxsize=None)(_bezier_weights)
 
 
-def cubic(a, b, c, d, deviation):
+def flatten_cubic(a, b, c, d, deviation):
     """Positions of a Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
     # A chord over the n-th part of a curve is at most max |B''| / 8n² off; B'' runs between 6 (a - 2b + c) and the next.
     bend = max(abs(a - 2 * b + c), abs(b - 2 * c + d))
     count = max(1, math.ceil(math.sqrt(0.75 * bend / deviation)))
     if count == 1:
         return [d]
-    return [*_inner(count, a, b, c, d), d]
+    return [*_inner_positions(count, a, b, c, d), d]
 
 
-def quadratic(a, b, c, deviation):
+def flatten_quadratic(a, b, c, deviation):
     """The same of a curve with one control point."""
     count = max(1, math.ceil(math.sqrt(abs(a - 2 * b + c) / deviation / 4)))
     if count == 1:
         return [c]
-    return [*_inner(count, a, b, c), c]
+    return [*_inner_positions(count, a, b, c), c]
 
 
-def _arc(segment, end, deviation):
+def _flatten_arc(segment, end, deviation):
     radius = max(float(segment.rx), float(segment.ry)) if segment.rx and segment.ry else 0.0
     sweep = abs(float(segment.sweep))
     if not radius or not sweep:
@@ -352,7 +352,7 @@ def _arc(segment, end, deviation):
     return [*(positions[:, 0] + 1j * positions[:, 1]), end]
 
 
-def dash(lines, pattern, offset, left_out=None):
+def dash_lines(lines, pattern, offset, left_out=None):
     """The dashes of polylines, by a stroke-dasharray (lengths) and its offset. A line of too many stays whole, and `left_out` counts it."""
     if not pattern or min(pattern) < 0 or sum(pattern) <= 0:
         return lines
@@ -374,11 +374,11 @@ def dash(lines, pattern, offset, left_out=None):
             for start, end in zip(starts[::2], ends[::2]):
                 low, high = begin + number * period + start, begin + number * period + end
                 if (high > 0 or high == low == 0) and low < whole:
-                    dashes.append(_between(line, along, max(low, 0.0), min(high, whole)))
+                    dashes.append(_part_between(line, along, max(low, 0.0), min(high, whole)))
     return dashes
 
 
-def _between(line, along, low, high):
+def _part_between(line, along, low, high):
     inner = line[(along > low) & (along < high)]
     real = numpy.interp([low, high], along, line.real)
     imag = numpy.interp([low, high], along, line.imag)

@@ -33,12 +33,12 @@ def root_of(path):
 
 def page_size(root, style):
     """Width and height; from the viewBox if they are missing or in %. Raises TooFar."""
-    return tuple(map(svg_geometry.check_bound, _size(root, style)))
+    return tuple(map(svg_geometry.check_bound, _size_px(root, style)))
 
 
-def _size(root, style):
+def _size_px(root, style):
     box = view_box(root)
-    width, height = (svg_geometry.length(style.get(name), default=svg_geometry.length(root.get(name), default=None)) for name in ("width", "height"))
+    width, height = (svg_geometry.length_px(style.get(name), default=svg_geometry.length_px(root.get(name), default=None)) for name in ("width", "height"))
     shape = (box[2], box[3]) if box else (_DEFAULT_PX, _DEFAULT_PX)
     if width is None and height is None:
         return shape
@@ -50,5 +50,5 @@ def _size(root, style):
 
 
 def view_box(element):
-    box = svg_geometry.numbers(element.get("viewBox"))
+    box = svg_geometry.read_numbers(element.get("viewBox"))
     return box if len(box) == 4 and box[2] > 0 and box[3] > 0 else None

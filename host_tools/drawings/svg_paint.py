@@ -1,9 +1,9 @@
 """Paints of an SVG file that are elements: gradients and patterns, by "url(#id)".
 
-    paint = of("url(#a) red", by_id, style_of)      # ("red", None) if there is no #a, ("none", None) of a gradient without colours
-    paint = of("url(#p)", by_id, style_of)          # ("url(#p)", "pattern"): an area of it is drawn as its edge
-    paint = of("url(#w)", by_id, style_of)          # ("white", None) of a gradient or pattern that is white all over
-    paint = of("context-fill", by_id, style_of)     # ("context-fill", "context"): taken to be a colour
+    paint = paint_of("url(#a) red", by_id, style_of)      # ("red", None) if there is no #a, ("none", None) of a gradient without colours
+    paint = paint_of("url(#p)", by_id, style_of)          # ("url(#p)", "pattern"): an area of it is drawn as its edge
+    paint = paint_of("url(#w)", by_id, style_of)          # ("white", None) of a gradient or pattern that is white all over
+    paint = paint_of("context-fill", by_id, style_of)     # ("context-fill", "context"): taken to be a colour
 """
 
 import re
@@ -21,7 +21,7 @@ _WHITE_IN_PARTS = "rgba(255, 255, 255, 0.5)"  # the page, or a shape below, is s
 _KINDS = {"linearGradient": "gradient", "radialGradient": "gradient", "pattern": "pattern"}
 
 
-def of(value, by_id, style_of):
+def paint_of(value, by_id, style_of):
     """(the paint that counts; its kind, "gradient", "pattern", "context" or None). `style_of(element)`: its properties, as texts."""
     match = _PAINT.match(value)
     if not match:
@@ -30,7 +30,7 @@ def of(value, by_id, style_of):
     kind = None if element is None else local_name(element.tag)
     if kind not in _KINDS:
         return match[2].strip() or "none", None
-    parts = _parts(element, by_id)
+    parts = _paint_parts(element, by_id)
     if not parts:
         return "none", None
     if _KINDS[kind] == "pattern":
@@ -41,7 +41,7 @@ def of(value, by_id, style_of):
     return (value, None) if len(parts) == 1 else (value, "gradient")  # one colour
 
 
-def _parts(element, by_id):
+def _paint_parts(element, by_id):
     """The colours of a gradient, or of the one that it leads to, or the shapes of a pattern."""
     for _again in range(_MOST):
         if element is None:

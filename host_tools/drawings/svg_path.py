@@ -24,12 +24,12 @@ def read(data):
     if begun[:1] not in ("M", "m"):
         return [], not begun
     for letter, text in _COMMAND.findall(begun):
-        if not reader.take(letter, text):
+        if not reader.take_command(letter, text):
             return reader.segments, False
     return reader.segments, True
 
 
-def _numbers(text):
+def _read_numbers(text):
     """(numbers up to the first mistake, True if there is none)."""
     found = _NUMBERS.findall(text)
     if len(text) - sum(map(len, found)) == sum(map(text.count, _BETWEEN)):
@@ -47,43 +47,43 @@ class _Reader:
         self._here = self._first = 0j
         self._control, self._kind = 0j, ""  # the last control point of the curve before, and its letter
 
-    def take(self, letter, text):
+    def take_command(self, letter, text):
         """One command with all its numbers. Return False behind a mistake."""
         kind, base = letter.upper(), letter.islower()
         if kind == "Z":
-            self._to(("Z", self._first), self._first)
+            self._add_segment(("Z", self._first), self._first)
             return not text.strip(_BETWEEN)
         if kind == "A":
-            return self._arcs(text, base)
-        values, whole = _numbers(text)
+            return self._add_arcs(text, base)
+        values, whole = _read_numbers(text)
         size = _WANTED[kind]
         count = len(values) // size
         whole = whole and count > 0 and len(values) == count * size
         if kind in "HV":
-            self._sides(kind, values, base)
+            self._add_sides(kind, values, base)
         elif kind in "ML":
-            self._lines(kind, values[: 2 * count], base)
+            self._add_lines(kind, values[: 2 * count], base)
         else:
-            self._curves(kind, [complex(x, y) for x, y in zip(values[::2], values[1::2])], size // 2, count, base)
+            self._add_curves(kind, [complex(x, y) for x, y in zip(values[::2], values[1::2])], size // 2, count, base)
         return whole
 
-    def _to(self, segment, end):
+    def _add_segment(self, segment, end):
         self.segments.append(segment)
         self._here, self._kind = end, ""
 
-    def _lines(self, kind, values, relative):
+    def _add_lines(self, kind, values, relative):
         points, here = [], self._here
         for x, y in zip(values[::2], values[1::2]):
             here = here + complex(x, y) if relative else complex(x, y)
             points.append(here)
         if kind == "M" and points:
             self._first = points[0]
-            self._to(("M", self._first), self._first)
+            self._add_segment(("M", self._first), self._first)
             points = points[1:]
         if points:
-            self._to(("L", points), here)
+            self._add_segment(("L", points), here)
 
-    def _sides(self, kind, values, relative):
+    def _add_sides(self, kind, values, relative):
         points, here = [], self._here
         for value in values:
             if kind == "H":
@@ -92,19 +92,19 @@ class _Reader:
                 here = complex(here.real, here.imag + value if relative else value)
             points.append(here)
         if points:
-            self._to(("L", points), here)
+            self._add_segment(("L", points), here)
 
-    def _curves(self, kind, points, size, count, relative):
+    def _add_curves(self, kind, points, size, count, relative):
         for index in range(0, size * count, size):
             given = [self._here + point if relative else point for point in points[index : index + size]]
             if kind in "ST":
                 follows = self._kind == ("C" if kind == "S" else "Q")
                 given.insert(0, 2 * self._here - self._control if follows else self._here)
             made = "C" if kind in "CS" else "Q"
-            self._to((made, *given), given[-1])
+            self._add_segment((made, *given), given[-1])
             self._control, self._kind = given[-2], made
 
-    def _arcs(self, text, relative):
+    def _add_arcs(self, text, relative):
         import svgelements
 
         at, found = 0, 0
@@ -113,6 +113,6 @@ class _Reader:
             end = complex(x, y) + (self._here if relative else 0)
             start, to = ((each.real, each.imag) for each in (self._here, end))
             arc = svgelements.Arc(start, abs(across), abs(down), turn, bool(large), bool(sweep), to)
-            self._to(("A", arc, end), end)
+            self._add_segment(("A", arc, end), end)
             at, found = match.end(), found + 1
         return found > 0 and not text[at:].strip(_BETWEEN)

@@ -2,7 +2,7 @@
 
     shapes = Shapes()
     shapes.begin(page, 0.1, False)                  # chords at most 0.1 px off, no areas
-    inks = shapes.shape("path", element, context)
+    inks = shapes.shape_inks("path", element, context)
 """
 
 import math
@@ -17,11 +17,11 @@ _EDGE_PX = 1.0  # sizes are rounded to whole px
 SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
 
 
-def length(text, axis, context, default=0.0):
+def element_length(text, axis, context, default=0.0):
     """A length of an element, in px of its own coordinates; `axis`: "x", "y" or None, of which per cent are."""
     width, height = context.viewport
     whole = {"x": width, "y": height}.get(axis, math.hypot(width, height) / math.sqrt(2))
-    return svg_geometry.length(text, whole, context.style["font-size"], default)
+    return svg_geometry.length_px(text, whole, context.style["font-size"], default)
 
 
 class Shapes:
@@ -32,15 +32,15 @@ class Shapes:
         """For a page, which counts what is wrong with shapes. `unseen`: draw what nobody sees, too."""
         self._page, self._deviation, self._fills, self._unseen = page, deviation, fills, unseen
 
-    def shape(self, tag, element, context):
+    def shape_inks(self, tag, element, context):
         style = context.style
         if style.get("visibility", "visible") != "visible":
             return []
-        stretch = svg_geometry.stretch(context.matrix)
+        stretch = svg_geometry.stretch_of(context.matrix)
         if not stretch:
             return []
-        segments = self.segments(tag, element, context, stretch)
-        lines = svg_geometry.flatten(segments, self._deviation / stretch)
+        segments = self.path_segments(tag, element, context, stretch)
+        lines = svg_geometry.flatten_segments(segments, self._deviation / stretch)
         stroked, filled = svg_style.is_painted(style, "stroke"), svg_style.is_painted(style, "fill")
         if not stroked and (not filled or lines and all(map(svg_geometry.is_straight, lines))):  # such a fill has no area
             self._page.unseen += 1
@@ -51,7 +51,7 @@ class Shapes:
         edges = svg_geometry.transform_lines(lines, context.matrix) if filled and tag != "line" else []
         if edges and self._is_background(style, stroked, edges):
             self._page.backgrounds += 1
-            if svg_style.opaque(style):
+            if svg_style.is_opaque(style):
                 self._page.covered = self._page.drawn
             if not self._unseen:
                 return []
@@ -62,12 +62,12 @@ class Shapes:
         if stroked and style.get("stroke-linecap", "butt") == "butt":
             lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
         if stroked:
-            lines = self._dash(lines, element, context)
+            lines = self._dash_lines(lines, element, context)
         return self.inks(svg_geometry.transform_lines(lines, context.matrix), rings, style, edges)
 
     def _is_background(self, style, stroked, edges):
         """True of a white area over the whole page, a px at its edge aside."""
-        if not svg_style.is_white(_colour(style, "fill")) or stroked and not svg_style.is_white(_colour(style, "stroke")):
+        if not svg_style.is_white(_paint_colour(style, "fill")) or stroked and not svg_style.is_white(_paint_colour(style, "stroke")):
             return False
         width, height = self._page.size_px
         places = numpy.concatenate(edges)
@@ -82,21 +82,21 @@ class Shapes:
         svg_geometry.on_page(lines)
         self._page.drawn += bool(lines)
         if svg_style.is_painted(style, "stroke"):
-            inks = [Ink(_colour(style, "stroke"), lines, under=Ink(_colour(style, "fill"), edges, rule=rule) if edges else None)]
+            inks = [Ink(_paint_colour(style, "stroke"), lines, under=Ink(_paint_colour(style, "fill"), edges, rule=rule) if edges else None)]
         else:
-            inks = [Ink(_colour(style, "fill"), lines, rule=rule if svg_style.is_painted(style, "fill") else "")]
+            inks = [Ink(_paint_colour(style, "fill"), lines, rule=rule if svg_style.is_painted(style, "fill") else "")]
         area = svg_area.fill_area(rings, rule) if rings else None
         if area is not None and not area.is_empty:
-            inks.append(Ink(_colour(style, "fill"), [], [area]))
+            inks.append(Ink(_paint_colour(style, "fill"), [], [area]))
         return inks
 
-    def segments(self, tag, element, context, stretch):
+    def path_segments(self, tag, element, context, stretch):
         """The segments of a shape, read once. Raises TooFar."""
         key = id(element), context.viewport, context.style["font-size"]
         if key not in self._segments:
-            data = context.style.get("d") if tag == "path" else self._basic(tag, element, context)
+            data = context.style.get("d") if tag == "path" else self._basic_path(tag, element, context)
             data = None if data == "none" else data
-            reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
+            reach = max(map(abs, svg_geometry.read_numbers(data)), default=0.0)
             segments, whole = svg_path.read(data) if data else ([], True)
             if tag in ("polyline", "polygon"):
                 whole = svg_geometry.up_to_a_mistake(element.get("points"))[1]
@@ -107,26 +107,26 @@ class Shapes:
             self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
         return segments
 
-    def _basic(self, tag, element, context):
-        def lengths(name, axis, default=0.0):
-            return length(context.style.get(name, element.get(name)), axis, context, default)
+    def _basic_path(self, tag, element, context):
+        def read_length(name, axis, default=0.0):
+            return element_length(context.style.get(name, element.get(name)), axis, context, default)
 
-        return svg_geometry.shape_path(tag, lengths, element.get("points"))
+        return svg_geometry.shape_path(tag, read_length, element.get("points"))
 
-    def _dash(self, lines, element, context):
+    def _dash_lines(self, lines, element, context):
         style = context.style
         text = style.get("stroke-dasharray", "none")
         if text == "none":
             return lines
-        pattern = [length(part, None, context) for part in text.replace(",", " ").split()]
-        offset = length(style.get("stroke-dashoffset"), None, context)
-        counted = length(element.get("pathLength"), None, context)
+        pattern = [element_length(part, None, context) for part in text.replace(",", " ").split()]
+        offset = element_length(style.get("stroke-dashoffset"), None, context)
+        counted = element_length(element.get("pathLength"), None, context)
         if counted > 0:  # the author's own measure of the whole path
             share = sum(float(abs(numpy.diff(line)).sum()) for line in lines) / counted
             pattern, offset = [share * part for part in pattern], share * offset
-        return svg_geometry.dash(lines, pattern, offset, self._page.left_out)
+        return svg_geometry.dash_lines(lines, pattern, offset, self._page.left_out)
 
 
-def _colour(style, what):
+def _paint_colour(style, what):
     value = style.get(what, "none" if what == "stroke" else "black")
     return style.get("color", "black") if value.lower() == "currentcolor" else value

@@ -12,7 +12,7 @@ import re
 from functools import lru_cache
 
 from host_tools.drawings import svg_transform
-from host_tools.drawings.svg_geometry import length
+from host_tools.drawings.svg_geometry import length_px
 
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _INHERITED = frozenset(
@@ -58,7 +58,7 @@ def local_name(name):
 
 
 @lru_cache(maxsize=4096)
-def _read(text):
+def _read_declarations(text):
     """([(name, value)] of the declarations without !important, the same of those with it)."""
     import tinycss2
 
@@ -75,7 +75,7 @@ def _is_side(name, value):
     return bool(match and (name in _SIGNED or match[1] != "-")) or value == "auto" and name in ("width", "height", "rx", "ry")
 
 
-def _declare(found, name, value, geometry):
+def _add_declaration(found, name, value, geometry):
     """`geometry`: the properties that are the element's own attributes."""
     if name == "font":
         match = _FONT.match(value)
@@ -111,18 +111,18 @@ class Sheet:
             text, media = (text, "") if isinstance(text, str) else text
             if self._media_applies(media):
                 try:
-                    self._sheet(text)
+                    self._read_sheet(text)
                 except RecursionError:
                     self.unknown.append(f"{text.strip()[:_SHOWN]}…")
         if self._rules:
-            self._match(root)
+            self._match_rules(root)
 
-    def _sheet(self, text):
+    def _read_sheet(self, text):
         import tinycss2
 
-        self._add(tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True))
+        self._add_rules(tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True))
 
-    def _add(self, rules):
+    def _add_rules(self, rules):
         import cssselect2
         import tinycss2
 
@@ -139,7 +139,7 @@ class Sheet:
                 self._rules += [(each, body) for each in selectors if each.pseudo_element is None]
             elif rule.type == "at-rule" and rule.lower_at_keyword == "media" and rule.content is not None:
                 if self._media_applies(tinycss2.serialize(rule.prelude)):
-                    self._add(tinycss2.parse_rule_list(rule.content, skip_comments=True, skip_whitespace=True))
+                    self._add_rules(tinycss2.parse_rule_list(rule.content, skip_comments=True, skip_whitespace=True))
             elif rule.type == "at-rule" and rule.lower_at_keyword in ("keyframes", "-webkit-keyframes"):
                 self.animations += 1
             elif rule.type == "error" or rule.type == "at-rule" and rule.lower_at_keyword not in _SILENT:
@@ -147,9 +147,9 @@ class Sheet:
 
     def _media_applies(self, media):
         """True if a screen takes rules of a list of media."""
-        return not media.strip() or any(self._query(each.strip().lower()) for each in media.split(","))
+        return not media.strip() or any(self._query_applies(each.strip().lower()) for each in media.split(","))
 
-    def _query(self, text):
+    def _query_applies(self, text):
         match = _QUERY.match(text)
         if match is None or match[2] is None and match[3] is None:
             self.unknown.append(f"@media {text}")
@@ -162,7 +162,7 @@ class Sheet:
             taken = taken and bool(known)
         return taken != bool(match[1])
 
-    def _match(self, root):
+    def _match_rules(self, root):
         import cssselect2
 
         matcher = cssselect2.Matcher()
@@ -186,8 +186,8 @@ class Sheet:
         bodies = [*self._of.get(id(element), ()), element.get("style", "")]
         for important in (False, True):
             for body in bodies:
-                for name, value in _read(body)[important]:
-                    _declare(own, name, value, geometry)
+                for name, value in _read_declarations(body)[important]:
+                    _add_declaration(own, name, value, geometry)
         if own.get("dominant-baseline") == "no-change":
             del own["dominant-baseline"]
         for each, value in own.items():
@@ -205,7 +205,7 @@ def font_size(text, parent):
     """px of a font-size; `parent`: of the element around, which stays if it cannot be read or is negative."""
     if text in _SIZES:
         return _SIZES[text]
-    size = parent * _STEPS[text] if text in _STEPS else length(text, parent, parent, parent)
+    size = parent * _STEPS[text] if text in _STEPS else length_px(text, parent, parent, parent)
     return size if size >= 0 else parent
 
 
@@ -222,15 +222,15 @@ def font_weight(text, parent):
 def is_painted(style, what):
     """True if a "stroke" or a "fill" can be seen."""
     value = style.get(what, "none" if what == "stroke" else "black")
-    if value in ("none", "transparent") or invisible(style.get(f"{what}-opacity")):
+    if value in ("none", "transparent") or is_invisible(style.get(f"{what}-opacity")):
         return False
     if what == "stroke" and _ZERO.match(style.get("stroke-width", "1")):
         return False
-    return _alpha(value) != 0
+    return _alpha_of(value) != 0
 
 
 @lru_cache(maxsize=1024)
-def _colour(value):
+def _parse_colour(value):
     """tinycss2's colour of a text; None: a word that is no colour by itself (currentColor)."""
     from tinycss2.color4 import parse_color  # also #0008, rgb(0 0 0 / 50%), hsl(0 0% 100%)
 
@@ -238,13 +238,13 @@ def _colour(value):
     return None if isinstance(colour, str) else colour
 
 
-def _alpha(value):
-    colour = _colour(value)
+def _alpha_of(value):
+    colour = _parse_colour(value)
     return 1 if colour is None else colour.alpha or 0
 
 
 def is_white(value):
-    colour = _colour(value)
+    colour = _parse_colour(value)
     if colour is None or colour.space.startswith("xyz"):
         return False
     if colour.space in _LIGHTEST:
@@ -254,15 +254,15 @@ def is_white(value):
     return min(each or 0 for each in colour.coordinates) > 0.999
 
 
-def invisible(opacity):
+def is_invisible(opacity):
     """True of the text of an opacity of 0 or less."""
     match = _SHARE.match(opacity or "")
     return bool(match) and float(match[1]) <= 0
 
 
-def opaque(style):
+def is_opaque(style):
     """True of a fill through which nothing shines, as far as the element itself says."""
-    if _alpha(style.get("fill", "black")) != 1:
+    if _alpha_of(style.get("fill", "black")) != 1:
         return False
     shares = [_SHARE.match(style.get(name, "1")) for name in ("opacity", "fill-opacity")]
     return all(match and (match[0].strip() == "100%" or float(match[1]) >= 1 and "%" not in match[0]) for match in shares)

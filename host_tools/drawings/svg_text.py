@@ -1,7 +1,7 @@
 """Text of an SVG file as the outlines of its letters, in the fonts of this computer.
 
-    pieces = collect(element, style_of, lengths)    # letters with their positions and fonts
-    lines = outlines(pieces, deviation, left_out)   # polylines, in the element's own coordinates
+    pieces = collect_letters(element, style_of, lengths)    # letters with their positions and fonts
+    lines = outlines_of(pieces, deviation, left_out)   # polylines, in the element's own coordinates
 
 A font that is not installed is named in `left_out`. Letters follow each other as the font has them; x, y, dx, dy, rotate,
 textLength, text-anchor, letter-spacing, word-spacing, baseline-shift and text-transform are kept, and letters stand on the path of a
@@ -59,7 +59,7 @@ class Way:
         steps[numpy.cumsum([len(line) for line in self.lines])[:-1] - 1] = 0.0  # from one to the next
         self.along = numpy.concatenate(([0.0], numpy.cumsum(steps)))
 
-    def at(self, distance):
+    def position_at(self, distance):
         """(place, direction as a complex number of length 1), or None off its ends."""
         if not 0 <= distance <= self.along[-1]:
             return None
@@ -95,11 +95,11 @@ class _Chunk:
     runs: list = field(default_factory=list)
 
 
-def collect(element, style, style_of, viewport, left_out, way_of):
+def collect_letters(element, style, style_of, viewport, left_out, way_of):
     """The letters of a <text>, spaces collapsed. `style_of(child, style)` is the style of a <tspan>, `way_of(child)` the polylines of a
     <textPath>, or None."""
     letters = []
-    _collect(element, style, (style_of, way_of), viewport, left_out, letters, False)
+    _collect_into(element, style, (style_of, way_of), viewport, left_out, letters, False)
     return _without_end(letters)
 
 
@@ -115,7 +115,7 @@ def _is_blank(letter):
     return letter.text == " " and not letter.keep_space
 
 
-def _collect(element, style, found_by, viewport, left_out, letters, keep_space, depth=0):
+def _collect_into(element, style, found_by, viewport, left_out, letters, keep_space, depth=0):
     if depth == _DEEPEST:
         raise ValueError(f"{_DEEPEST} levels of text in text")
     keep_space = element.get(_SPACE, "preserve" if keep_space else "") == "preserve" or style.get(
@@ -125,33 +125,33 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
     size = float(style["font-size"])
     first = len(letters)
     _name_others(element, style, left_out)
-    _spell(element.text, style, size, keep_space, letters)
+    _add_letters(element.text, style, size, keep_space, letters)
     for child in element:
         tag = local_name(child.tag)
         if tag in ("tspan", "a"):
             inner = style_of(child, style)
             if inner.get("display") != "none":
                 begin = len(letters)
-                _collect(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
+                _collect_into(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
                 for letter in letters[begin:]:
-                    letter.up += _shift(inner.get("baseline-shift"), size)
+                    letter.up += _shift_px(inner.get("baseline-shift"), size)
         elif tag == "tref":
             left_out[N_("text of another place (<tref>)")] += 1
         elif tag == "textPath" and way_of:
             begin, inner = len(letters), style_of(child, style)
-            _along(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
+            _collect_on_path(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
             for letter in letters[begin:]:
-                letter.up += _shift(inner.get("baseline-shift"), size)
-        _spell(child.tail, style, size, keep_space, letters)
-    turns = svg_geometry.numbers(element.get("rotate"))
+                letter.up += _shift_px(inner.get("baseline-shift"), size)
+        _add_letters(child.tail, style, size, keep_space, letters)
+    turns = svg_geometry.read_numbers(element.get("rotate"))
     for index, letter in enumerate(letters[first:] if turns else ()):
         letter.rotate = letter.rotate or turns[min(index, len(turns) - 1)]
     for name, whole in (("x", viewport[0]), ("y", viewport[1]), ("dx", viewport[0]), ("dy", viewport[1])):
-        positions = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
+        positions = [svg_geometry.length_px(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
         for letter, position in zip(letters[first:], positions):
             if getattr(letter, name) in (None, 0.0):  # a <tspan> inside goes before
                 setattr(letter, name, position)
-    _stretch(element, _without_end(letters[first:]), viewport[0], size, left_out)
+    _stretch_letters(element, _without_end(letters[first:]), viewport[0], size, left_out)
 
 
 def _name_others(element, style, left_out):
@@ -172,13 +172,13 @@ def _name_others(element, style, left_out):
         left_out[N_("text moved by alignment-baseline")] += 1
 
 
-def _stretch(element, letters, whole, size, left_out):
+def _stretch_letters(element, letters, whole, size, left_out):
     """textLength: blanks between letters, or wider letters, so that they are as long as the file says."""
-    wanted = svg_geometry.length(element.get("textLength"), whole, size)
+    wanted = svg_geometry.length_px(element.get("textLength"), whole, size)
     if wanted <= 0 or not letters or any(letter.x is not None for letter in letters[1:]):
         return
     runs = [_Run(letter.style, letter.size, letter.text, letter.dx) for letter in letters]
-    natural = sum(_ways(runs, left_out)) + sum(run.dx for run in runs[1:])
+    natural = sum(_run_lengths(runs, left_out)) + sum(run.dx for run in runs[1:])
     if element.get("lengthAdjust") == "spacingAndGlyphs":
         for letter in letters:
             letter.wide *= wanted / natural if natural > 0 else 1.0
@@ -187,12 +187,12 @@ def _stretch(element, letters, whole, size, left_out):
             letter.dx += (wanted - natural) / (len(letters) - 1)
 
 
-def _shift(text, size):
+def _shift_px(text, size):
     """How far above its line a <tspan> of baseline-shift stands; `size` is its parent's. As Inkscape has it."""
-    return {"super": 0.4 * size, "sub": -0.2 * size}.get(text, svg_geometry.length(text, size, size))
+    return {"super": 0.4 * size, "sub": -0.2 * size}.get(text, svg_geometry.length_px(text, size, size))
 
 
-def _along(element, style, found_by, viewport, left_out, letters, keep_space, depth):
+def _collect_on_path(element, style, found_by, viewport, left_out, letters, keep_space, depth):
     """The letters of a <textPath>."""
     lines = found_by[1](element)
     if style.get("display") == "none":
@@ -204,10 +204,10 @@ def _along(element, style, found_by, viewport, left_out, letters, keep_space, de
         lines = [line[::-1] for line in reversed(lines)]
     first = len(letters)
     way = Way(lines, 0.0)
-    way.begin = svg_geometry.length(element.get("startOffset"), way.along[-1], float(style["font-size"]))
+    way.begin = svg_geometry.length_px(element.get("startOffset"), way.along[-1], float(style["font-size"]))
     if element.get("path") is not None:
         left_out[N_("path that a <textPath> has of its own")] += 1
-    _collect(element, style, (found_by[0], None), viewport, left_out, letters, keep_space, depth)
+    _collect_into(element, style, (found_by[0], None), viewport, left_out, letters, keep_space, depth)
     left_out.update({_PLACED: 1} if any(letter.x is not None or letter.y is not None for letter in letters[first:]) else {})
     for letter in letters[first:]:
         letter.way, letter.x, letter.y = letter.way or way, None, None
@@ -217,7 +217,7 @@ _PLACED = N_("places of letters along a path (x, y, dy)")
 _CASES = {"uppercase": str.upper, "lowercase": str.lower, "capitalize": str.title}
 
 
-def _spell(text, style, size, keep_space, letters):
+def _add_letters(text, style, size, keep_space, letters):
     text = _CASES.get(style.get("text-transform"), str)(text or "")
     for each in text:
         letter = Letter(" " if each.isspace() and each != "\xa0" else each, style, size, keep_space)
@@ -227,15 +227,15 @@ def _spell(text, style, size, keep_space, letters):
             letters.append(letter)
 
 
-def outlines(letters, deviation, left_out):
+def outlines_of(letters, deviation, left_out):
     """The outlines of letters as polylines, y down."""
     lines = []
     x = y = 0.0
     behind = False
-    for chunk in _chunks(letters):
+    for chunk in _find_chunks(letters):
         x = x if chunk.x is None else chunk.x
         y = y if chunk.y is None else chunk.y
-        ways = _ways(chunk.runs, left_out)
+        ways = _run_lengths(chunk.runs, left_out)
         width = sum(run.dx for run in chunk.runs[1:]) + sum(ways)  # the first one's dx moves the whole
         before = {"middle": width / 2, "end": width}.get(chunk.anchor, 0.0)
         if chunk.way:
@@ -249,7 +249,7 @@ def outlines(letters, deviation, left_out):
         for run, way in zip(chunk.runs, ways):
             x, y = x + run.dx, y + run.dy
             drawn = _letter_outlines(run, x, y - run.up, deviation, left_out)
-            lines += svg_geometry.transform_lines(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y - run.up})")) if run.rotate else drawn
+            lines += svg_geometry.transform_lines(drawn, svg_geometry.read_matrix(f"rotate({run.rotate} {x} {y - run.up})")) if run.rotate else drawn
             x += way
     return lines
 
@@ -258,9 +258,9 @@ def _on_way(chunk, at, ways, deviation, left_out):
     """Letters along a path; those whose middle is off its ends are not shown."""
     lines, off = [], 0.0
     for run, way in zip(chunk.runs, ways):
-        wide = _advance(run, left_out)
+        wide = _advance_px(run, left_out)
         at, off = at + run.dx, off + run.dy
-        found = chunk.way.at(at + wide / 2)
+        found = chunk.way.position_at(at + wide / 2)
         if found is not None:
             place, direction = found
             turned = direction * complex(numpy.exp(1j * numpy.radians(run.rotate)))
@@ -272,13 +272,13 @@ def _on_way(chunk, at, ways, deviation, left_out):
     return lines
 
 
-def _chunks(letters):
+def _find_chunks(letters):
     chunks = []
     for letter in letters:
         if not chunks or letter.x is not None or letter.y is not None or letter.way is not chunks[-1].way:
             chunks.append(_Chunk(letter.x, letter.y, letter.style.get("text-anchor", "start"), letter.way))
         runs = chunks[-1].runs
-        single = letter.dx or letter.dy or letter.rotate or letter.way or _spacing(letter.style, letter.size)
+        single = letter.dx or letter.dy or letter.rotate or letter.way or _spacing_px(letter.style, letter.size)
         same = runs and runs[-1].style is letter.style and (runs[-1].up, runs[-1].wide) == (letter.up, letter.wide)
         if same and not single and not runs[-1].rotate:
             runs[-1].text += letter.text
@@ -287,33 +287,33 @@ def _chunks(letters):
     return chunks
 
 
-def _spacing(style, size, text=" "):
+def _spacing_px(style, size, text=" "):
     """Behind a letter, and behind a blank."""
-    words = text == " " and svg_geometry.length(style.get("word-spacing"), None, size)
-    return svg_geometry.length(style.get("letter-spacing"), None, size) + words
+    words = text == " " and svg_geometry.length_px(style.get("word-spacing"), None, size)
+    return svg_geometry.length_px(style.get("letter-spacing"), None, size) + words
 
 
-def _advance(run, left_out):
+def _advance_px(run, left_out):
     from matplotlib.textpath import text_to_path
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        width, _, _ = text_to_path.get_text_width_height_descent(run.text, svg_font.of(run.style, left_out, run.text), False)
-    return (width * run.size / svg_font.EM + _spacing(run.style, run.size, run.text)) * run.wide
+        width, _, _ = text_to_path.get_text_width_height_descent(run.text, svg_font.font_of(run.style, left_out, run.text), False)
+    return (width * run.size / svg_font.EM + _spacing_px(run.style, run.size, run.text)) * run.wide
 
 
-def _ways(runs, left_out):
+def _run_lengths(runs, left_out):
     """How far each run's end is from its begin; letters of the same kind stand as close as within a run."""
-    ways = [_advance(run, left_out) for run in runs]
+    ways = [_advance_px(run, left_out) for run in runs]
     for index, (run, after) in enumerate(zip(runs, runs[1:])):
         if (after.style, after.size, after.wide) == (run.style, run.size, run.wide):
             pair = run.text[-1:] + after.text[:1]
-            ways[index] += _kerning(svg_font.of(run.style, left_out, pair), pair) * run.size * run.wide
+            ways[index] += _kerning_share(svg_font.font_of(run.style, left_out, pair), pair) * run.size * run.wide
     return ways
 
 
 @lru_cache(maxsize=4096)
-def _kerning(font, pair):
+def _kerning_share(font, pair):
     from matplotlib.textpath import text_to_path
 
     with warnings.catch_warnings():
@@ -329,15 +329,15 @@ def _letter_outlines(run, x, y, deviation, left_out):
     from matplotlib.path import Path
     from matplotlib.textpath import text_to_path
 
-    font = svg_font.of(run.style, left_out, run.text)
+    font = svg_font.font_of(run.style, left_out, run.text)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         vertices, codes = text_to_path.get_text_path(font, run.text, False)
-    missing = svg_font.missing(font, run.text)
+    missing = svg_font.count_missing(font, run.text)
     if missing:
         left_out[N_("letters that the font has not (boxes are drawn for them)")] += missing
     scale = run.size / svg_font.EM
-    y += _baseline(run.style.get("dominant-baseline"), font, run.size)
+    y += _baseline_px(run.style.get("dominant-baseline"), font, run.size)
     lines = []
     for vertex, code in Path(vertices, codes).iter_segments(curves=True, simplify=False) if len(vertices) else ():
         positions = (vertex[0::2] * scale * run.wide + x) - 1j * (vertex[1::2] * scale - y)
@@ -346,15 +346,15 @@ def _letter_outlines(run, x, y, deviation, left_out):
         elif code == Path.CLOSEPOLY:
             lines[-1].append(lines[-1][0])
         elif code == Path.CURVE3:
-            lines[-1] += svg_geometry.quadratic(lines[-1][-1], *positions, deviation)
+            lines[-1] += svg_geometry.flatten_quadratic(lines[-1][-1], *positions, deviation)
         elif code == Path.CURVE4:
-            lines[-1] += svg_geometry.cubic(lines[-1][-1], *positions, deviation)
+            lines[-1] += svg_geometry.flatten_cubic(lines[-1][-1], *positions, deviation)
         else:
             lines[-1].append(positions[0])
     return [numpy.array(line) for line in lines if len(line) > 1]
 
 
-def _baseline(name, font, size):
+def _baseline_px(name, font, size):
     """How far below its position a line of text stands, by a dominant-baseline, as browsers have it."""
     share = _SHARES.get(name)
-    return sum(part * height for part, height in zip(share, svg_font.heights(font))) * size if share else 0.0
+    return sum(part * height for part, height in zip(share, svg_font.font_heights(font))) * size if share else 0.0

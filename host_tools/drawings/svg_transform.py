@@ -10,7 +10,7 @@ import math
 import re
 
 from host_tools.drawings import svg_geometry
-from host_tools.drawings.svg_geometry import IDENTITY, compose
+from host_tools.drawings.svg_geometry import IDENTITY, compose_matrices
 
 OF_STYLE = frozenset("translate rotate scale".split())  # no attributes: `rotate` of a <text> is another
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -51,29 +51,29 @@ def of_style(style, viewport, box):
     size = style["font-size"]
     kind = _BOXES.get(style.get("transform-box", "view-box").strip().lower())
     left, top, width, height = (box(kind == "stroke-box") if kind else None) or (0.0, 0.0, *viewport)
-    found = compose(_translation(steps[0], (width, height), size), compose(_rotation(steps[1]), _scaling(steps[2])))
-    found = compose(found, svg_geometry.matrix(_flat(steps[3]), (width, height), size))
+    found = compose_matrices(_translation_of(steps[0], (width, height), size), compose_matrices(_rotation_of(steps[1]), _scaling_of(steps[2])))
+    found = compose_matrices(found, svg_geometry.read_matrix(_flatten_text(steps[3]), (width, height), size))
     origin = style.get("transform-origin")
     if not origin and not kind:
         return found
-    found = svg_geometry.around(found, origin, (width, height), size) if origin else found
-    return compose(compose((1.0, 0.0, 0.0, 1.0, left, top), found), (1.0, 0.0, 0.0, 1.0, -left, -top))
+    found = svg_geometry.matrix_about(found, origin, (width, height), size) if origin else found
+    return compose_matrices(compose_matrices((1.0, 0.0, 0.0, 1.0, left, top), found), (1.0, 0.0, 0.0, 1.0, -left, -top))
 
 
-def _flat(text):
+def _flatten_text(text):
     for pattern, flat in _FLAT:
         text = pattern.sub(flat, text)
-    return _TILT.sub(lambda match: f"scale{'Y' if match[1] in 'Xx' else 'X'}({math.cos(_radians(match[2])):.12f})", text)
+    return _TILT.sub(lambda match: f"scale{'Y' if match[1] in 'Xx' else 'X'}({math.cos(_radians_of(match[2])):.12f})", text)
 
 
-def _translation(text, whole, size):
+def _translation_of(text, whole, size):
     if text == "none":
         return IDENTITY
-    x, y = ([svg_geometry.length(part, side, size) for part, side in zip(text.split(), whole)] + [0.0])[:2]
+    x, y = ([svg_geometry.length_px(part, side, size) for part, side in zip(text.split(), whole)] + [0.0])[:2]
     return (1.0, 0.0, 0.0, 1.0, x, y)
 
 
-def _rotation(text):
+def _rotation_of(text):
     """Of an angle, and an axis by its name or three numbers, what is seen from in front."""
     if text == "none":
         return IDENTITY
@@ -85,19 +85,19 @@ def _rotation(text):
     if not length:
         return IDENTITY
     x, y, z = (each / length for each in axis)
-    cosine, sine = math.cos(_radians(angle)), math.sin(_radians(angle))
+    cosine, sine = math.cos(_radians_of(angle)), math.sin(_radians_of(angle))
     rest = 1 - cosine
     return (cosine + x * x * rest, x * y * rest + z * sine, x * y * rest - z * sine, cosine + y * y * rest, 0.0, 0.0)
 
 
-def _scaling(text):
+def _scaling_of(text):
     if text == "none":
         return IDENTITY
     shares = [float(word.rstrip("%")) / (100 if word.endswith("%") else 1) for word in text.split()]
     return (shares[0], 0.0, 0.0, shares[1] if len(shares) > 1 else shares[0], 0.0, 0.0)
 
 
-def _radians(text):
+def _radians_of(text):
     match = re.match(_NUMBER, text)
     number = float(match[0])
     return number * _TURNS.get(text[len(match[0]) :].lower(), 0.0)

@@ -28,8 +28,8 @@ class Console:
     def send(self, data):
         self._pico.usb.write(data)
 
-    def take(self):
-        """The output since the last `take`."""
+    def take_output(self):
+        """The output since the last `take_output`."""
         said = bytes(self.text)
         self.text.clear()
         return said

@@ -26,7 +26,7 @@ def on_a_copy(work):
     child = os.fork()
     if not child:
         os.close(reading)
-        _work(work, writing)
+        _run_in_child(work, writing)
     os.close(writing)
     try:
         with os.fdopen(reading, "rb") as pipe:
@@ -45,7 +45,7 @@ def on_a_copy(work):
     return result
 
 
-def _work(work, writing):
+def _run_in_child(work, writing):
     """Never returns."""
     begun = spent[0]
     try:

@@ -11,7 +11,7 @@ CYCLES_PER_S = 125_000_000
 spent = [0]  # by all emulated Picos of this process and its copies
 
 
-def now(clock):
+def now_cycles(clock):
     """Cycles since power-on, sleep included."""
     return int(clock.nanos * 0.125 + 0.501)  # a cycle of 150 MHz may end amid two, and is no exact float
 

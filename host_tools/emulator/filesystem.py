@@ -3,7 +3,7 @@
     image = make_image({"main.py": b"...", "passo/app.mpy": b"..."})
     files = read_image(image)
 
-A MicroPython binary tells the position of its file system (`location`): RPI_PICO has 352 blocks of 4096 bytes at the end of
+A MicroPython binary tells the position of its file system (`location_of`): RPI_PICO has 352 blocks of 4096 bytes at the end of
 2 MB of flash, RPI_PICO_W 212.
 """
 
@@ -20,7 +20,7 @@ PROGRAM_BYTES = 256
 WRITTEN_VERSION = 0x0002_0000  # 2.0, which every MicroPython reads
 
 
-def location(uf2):
+def location_of(uf2):
     """(offset in flash, blocks) of the file system of a MicroPython binary; a Pico's if it does not say."""
     data = Path(uf2).read_bytes()
     flash = bytearray(FLASH_BYTES)
@@ -37,7 +37,7 @@ def location(uf2):
     return found.pop() if len(found) == 1 else (FLASH_OFFSET, BLOCKS)
 
 
-def _littlefs(image=None, blocks=BLOCKS):
+def _mount_image(image=None, blocks=BLOCKS):
     """The file system of an image, or a new one."""
     from littlefs import LittleFS, UserContext
 
@@ -62,7 +62,7 @@ def _littlefs(image=None, blocks=BLOCKS):
 
 def make_image(files, blocks=BLOCKS):
     """The image of {path: bytes}; folders are made as needed."""
-    system = _littlefs(blocks=blocks)
+    system = _mount_image(blocks=blocks)
     for name in sorted(files):
         folder = PurePosixPath(name).parent
         if folder.parts:
@@ -75,7 +75,7 @@ def make_image(files, blocks=BLOCKS):
 
 def read_image(image):
     """{path: bytes} of an image. Raises littlefs.LittleFSError if it holds no file system."""
-    system = _littlefs(image)
+    system = _mount_image(image)
     files = {}
     for folder, _, names in system.walk("/"):
         for name in names:

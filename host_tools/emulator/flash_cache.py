@@ -12,7 +12,7 @@ fetches beyond a branch taken; the shorter transfer of an access that bypasses t
 A miss is a transfer of a fixed number of flash clocks. MicroPython keeps the flash clock within 62.5 MHz by even dividers: 2
 at 125 MHz, 4 at 150 and at 200 MHz. So the 50 cycles of a miss (400 ns) become 100 cycles there: 667 and 500 ns.
 
-With core.c (see `native`) the model is part of it and costs no time. Otherwise `watch` puts it into rp2040py's own reads, which
+With core.c (see `native`) the model is part of it and costs no time. Otherwise `watch_accesses` puts it into rp2040py's own reads, which
 makes everything five times slower; it is done only if a miss is to cost anything.
 """
 
@@ -95,9 +95,9 @@ class FlashCache:
     def __init__(self, chip, random=False):
         self.state = Core(random=int(random))
         self._chip = chip
-        self._system = system_clock.of(chip)
+        self._system = system_clock.clock_of(chip)
         self._miss_cycles = 0
-        self._registers()
+        self._patch_registers()
         self._watch_divider()
 
     @property
@@ -135,18 +135,18 @@ class FlashCache:
         """Empty the cache."""
         ctypes.memset(self.state.tags, 0, ctypes.sizeof(self.state.tags))
 
-    def _registers(self):
+    def _patch_registers(self):
         """XIP_CTRL, with its counters as they are."""
         control, state, clock, system = self._chip.xip_ctrl, self.state, self._chip.clock, self._system
         read, write, reset = control.read_uint32, control.write_uint32, control.reset
         cleared = [0, 0]  # accesses and hits before the counters were cleared
 
-        def counts():
+        def read_counts():
             return state.accesses - cleared[0], state.accesses - state.misses - cleared[1]
 
         def read_uint32(offset):
             if offset in (_HITS, _ACCESSES):
-                return min(counts()[offset == _HITS], 0xFFFFFFFF)
+                return min(read_counts()[offset == _HITS], 0xFFFFFFFF)
             return read(offset)
 
         def write_uint32(offset, value):
@@ -159,7 +159,7 @@ class FlashCache:
                     clock.tick(_FLUSH_CYCLES * system.cycle_ns)
             elif offset in (_HITS, _ACCESSES):
                 place = offset == _HITS
-                cleared[place] += counts()[place]
+                cleared[place] += read_counts()[place]
 
         def restart():
             reset()
@@ -168,7 +168,7 @@ class FlashCache:
 
         control.read_uint32, control.write_uint32, control.reset = read_uint32, write_uint32, restart
 
-    def touch(self, address):
+    def touch_line(self, address):
         """An access by the processor; the cycles that it waits."""
         state, tags = self.state, self.state.tags
         line = (address & _OFFSET) >> 3
@@ -190,9 +190,9 @@ class FlashCache:
             tags[first] = tag
         return state.miss_cycles
 
-    def watch(self):
+    def watch_accesses(self):
         """Put the model, and the faults, into rp2040py's reads and writes."""
-        chip, core, tick, touch = self._chip, self._chip.core, self._chip.clock.tick, self.touch
+        chip, core, tick, touch = self._chip, self._chip.core, self._chip.clock.tick, self.touch_line
         bus, system = Bus(chip), self._system
         flash, ram = memoryview(chip.flash), memoryview(chip.sram)
 

@@ -1,6 +1,6 @@
 """The time that the emulated flash takes to erase and to program: without it, as long as its commands take to send.
 
-    pico.flash_times.take(**LONGEST)                # from now on; a Pico begins with TYPICAL
+    pico.flash_times.set_times(**LONGEST)                # from now on; a Pico begins with TYPICAL
     pico.flash_times.erased, .programmed            # how often, since then
 
 Figures of the W25Q16JV, a Pico's flash, from its data sheet: a sector's erase 45 ms, at most 400; a page's program 0.4 ms, at most 3.
@@ -18,20 +18,20 @@ _SECTORS = 16  # of a block
 
 class FlashTimes:
     def __init__(self, chip, times):
-        """`times`: as take() wants them."""
+        """`times`: as set_times() wants them."""
         self._clock = chip.clock
         self._ssi = ssi = chip.ssi
         self._shift, self._apply = ssi._shift_byte, ssi._apply_command
         self._ready_ns = 0.0
-        self.take(**times)
-        ssi._shift_byte, ssi._apply_command = self._answer, self._begin
+        self.set_times(**times)
+        ssi._shift_byte, ssi._apply_command = self._answer_status, self._begin_command
 
-    def take(self, erase_us, page_us):
+    def set_times(self, erase_us, page_us):
         """µs of a sector's erase and of a page's program, from now on."""
         self.times = {"erase_us": erase_us, "page_us": page_us}
         self.erased = self.programmed = 0
 
-    def _begin(self):
+    def _begin_command(self):
         ssi = self._ssi
         opcode = ssi._tx_buffer[0] if ssi._tx_buffer and ssi._write_enabled else 0
         self._apply()
@@ -43,7 +43,7 @@ class FlashTimes:
             self.programmed += 1
             self._ready_ns = self._clock.nanos + self.times["page_us"] * 1000
 
-    def _answer(self, byte):
+    def _answer_status(self, byte):
         said = self._shift(byte)
         sent = self._ssi._tx_buffer
         if len(sent) > 1 and sent[0] == _STATUS:

@@ -5,9 +5,9 @@
     run["lines_s"], run["least"], run["late"]
     run_raster(fast_router(laser=True), 0.1, 100, 600)          # the same figures of a picture's dots
     lines_over(machine, "pc", 0.2, 490, 600, 1000)              # lines a second over USB; the PC takes a millisecond
-    late_words(router(), ["G21G91", "F600", "G2X1Y1I1"])        # axes as the board file has them, a programme to its end
+    late_words(boot_router(), ["G21G91", "F600", "G2X1Y1I1"])        # axes as the board file has them, a programme to its end
     talk_to(machine)                                            # or it is as flashed, on USB
-    first_steps(machine), holds(machine)
+    time_first_steps(machine), time_holds(machine)
 
 The firmware is that of the board file as it is flashed, with two more lines in main.py: they replace its first link by the
 memory. The sender counts characters, with at most 127 bytes under way. The lines are chords of a circle in space, absolute, to
@@ -113,11 +113,11 @@ def chords(length_mm):
     """(X of the beginning, the bytes of CHORDS lines of this length, a closed path from there, Y50Z-20)."""
     radius = length_mm / 2 / sin(pi / CHORDS)
 
-    def place(chord):
+    def point_text(chord):
         turn = 2 * pi * chord / CHORDS
         return f"X{50 + radius * cos(turn):.3f}Y{50 + 0.8 * radius * sin(turn):.3f}Z{-20 + 0.6 * radius * sin(turn):.3f}"
 
-    return round(50 + radius, 3), pad_lines(*[place(chord + 1) for chord in range(CHORDS)])
+    return round(50 + radius, 3), pad_lines(*[point_text(chord + 1) for chord in range(CHORDS)])
 
 
 def raster(dot_mm):
@@ -147,7 +147,7 @@ def pad_lines(*lines, width=LINE_BYTES):
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
     """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
     run_raster(). Its axes take 250 mm/s and 20 m/s², so that the processor is the limit; or what the drive's pulses leave room for."""
-    return router(*fast_board(lengths_mm, name, laser, clock_mhz, mm_s, mm_s2))
+    return boot_router(*fast_board(lengths_mm, name, laser, clock_mhz, mm_s, mm_s2))
 
 
 def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
@@ -161,7 +161,7 @@ def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125, mm_s
     return board, {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}
 
 
-def router(board=None, texts=(), jerk=0):
+def boot_router(board=None, texts=(), jerk=0):
     """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none.
     `jerk`: mm/s³, kept in its settings."""
     board = board or boards.load("router_3axis")
@@ -195,12 +195,12 @@ def talk_to(machine):
     machine.run_ms(100)
 
 
-def first_steps(machine, count=10):
+def time_first_steps(machine, count=10):
     """Milliseconds from the last byte of a command to a machine at rest, over USB, to the first step, of each trial. Its
     drivers have been switched on before: that takes 20 ms more."""
-    _talk(machine, b"$X\nG21G91F6000\nG1X1\n", 3)
+    _send_and_wait(machine, b"$X\nG21G91F6000\nG1X1\n", 3)
     machine.run_ms(300)
-    edges = machine.pico.edges(machine.board["axes"][0]["pins"][0])
+    edges = machine.pico.record_edges(machine.board["axes"][0]["pins"][0])
     taken = []
     for trial in range(count):
         machine.run_ms(120 + 0.37 * trial)  # at no fixed place of the firmware's turns
@@ -212,13 +212,13 @@ def first_steps(machine, count=10):
     return taken
 
 
-def holds(machine, count=5):
+def time_holds(machine, count=5):
     """Milliseconds from the byte of a feed hold to the first step that comes later than at full speed, of each trial."""
-    _talk(machine, b"$X\nG21G91\n", 2)
-    edges = machine.pico.edges(machine.board["axes"][0]["pins"][0])
+    _send_and_wait(machine, b"$X\nG21G91\n", 2)
+    edges = machine.pico.record_edges(machine.board["axes"][0]["pins"][0])
     taken = []
     for trial in range(count):
-        _talk(machine, b"G1X%dF6000\n" % (30 - trial % 2 * 60), 1)
+        _send_and_wait(machine, b"G1X%dF6000\n" % (30 - trial % 2 * 60), 1)
         machine.run_ms(120 + 0.37 * trial)
         rises = [cycle for cycle, state in edges if state == 1]
         even = max(after - before for before, after in zip(rises[-100:], rises[-99:]))
@@ -235,32 +235,32 @@ def holds(machine, count=5):
     return taken
 
 
-def _talk(machine, data, answers):
+def _send_and_wait(machine, data, answers):
     console = machine.pico.console
-    console.take()
+    console.take_output()
     console.send(data)
     if not machine.pico.run_until(lambda: console.text.count(b"ok\r\n") >= answers, 2_000_000):
-        raise TimeoutError(f"{data!r} was answered by {console.take()!r}")
+        raise TimeoutError(f"{data!r} was answered by {console.take_output()!r}")
 
 
 def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000, profiled=False):
     """Have `count` lines streamed; the figures of the last three quarters of them. `profiled`: with their cycles by function, a `profile.Spent`."""
     start, _ = chords(length_mm)
     head = pad_lines("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
-    return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS // LINES_A_READ)), limit_ms, profiled)
+    return _run_from_memory(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS // LINES_A_READ)), limit_ms, profiled)
 
 
 def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000, profiled=False):
     """The same with `count` lines of raster(dot_mm)."""
     head = pad_lines("$X", "G21G91G94", f"{mode}S0F{60 * feed_mm_s:.0f}", "G0", width=DOT_BYTES)
-    return _run(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms, profiled)
+    return _run_from_memory(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms, profiled)
 
 
 def lines_over(machine, link, length_mm, feed_mm_s, count, think_us=0):
     """Lines a second, of the last three quarters of `count`, over this link of the board file, at most 127 bytes under way."""
     start, text = chords(length_mm)
     head = b"$X\nG21G90G94\nG92X%.3fY50Z-20\nG1F%d\n" % (start, 60 * feed_mm_s)
-    return _over(machine, link, head, text, count, think_us)
+    return _run_over_link(machine, link, head, text, count, think_us)
 
 
 def dots_over(machine, link, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
@@ -268,15 +268,15 @@ def dots_over(machine, link, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
     text, order = raster(dot_mm)
     each = LINES_A_READ * DOT_BYTES
     head = b"$X\nG21G91G94\n%sS0F%d\nG0\n" % (mode.encode(), 60 * feed_mm_s)
-    return _over(machine, link, head, b"".join(text[each * at : each * (at + 1)] for at in order), count, think_us)
+    return _run_over_link(machine, link, head, b"".join(text[each * at : each * (at + 1)] for at in order), count, think_us)
 
 
-def _over(machine, link, head, text, count, think_us):
+def _run_over_link(machine, link, head, text, count, think_us):
     talk_to(machine)
     asking = Asking(machine, link, think_us)
     lines = [line.rstrip() + b"\n" for line in text.splitlines()]
     head = b"$LINK=0\n" * (link != machine.board["links"][0]["name"]) + head  # the first link has the command
-    asking.stream(head.splitlines(keepends=True) + (lines * (count // len(lines) + 1))[:count])
+    asking.stream_lines(head.splitlines(keepends=True) + (lines * (count // len(lines) + 1))[:count])
     begun = []
     for wanted in (count // 4, count):
         wanted += head.count(b"\n")
@@ -286,7 +286,7 @@ def _over(machine, link, head, text, count, think_us):
     return (count - count // 4) * 1000 * CYCLES_PER_MS / (begun[1] - begun[0])
 
 
-def _run(machine, name, head, count, width, order, limit_ms, profiled):
+def _run_from_memory(machine, name, head, count, width, order, limit_ms, profiled):
     total = count + len(head) // width
     console = machine.pico.console
     console.send(f"go('{name}.txt',{head!r},{total},{count // 4},{width},{order!r})\n".encode())

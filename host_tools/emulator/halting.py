@@ -2,7 +2,7 @@
 
     rig = Rig(router(3, inputs=INPUTS))
     set_out(rig, (4000, 3000, -2000), steps_s=100_000, after_us=2000)
-    for reaction_us, reported, counted, in_hand in trials(rig, PLAYER_PIN, waits_us): …
+    for reaction_us, reported, counted, in_hand in try_halts(rig, PLAYER_PIN, waits_us): …
 
 Each trial is made on a copy of the same motion, so it costs milliseconds.
 """
@@ -52,32 +52,32 @@ print((stood, max(map(abs, stood)), feeder.position(player.played())))
 
 def set_out(rig, deltas, steps_s, after_us, loop="pass"):
     """Start a line and let it run for a while, under a main loop that also does what `loop` says."""
-    _start(rig, deltas, steps_s, loop)
+    _start_line(rig, deltas, steps_s, loop)
     while not any(rig.step_edges):
         rig.pico.run(200)
     rig.pico.run(after_us)
 
 
-def trial(rig, pin, wait_us):
+def try_halt(rig, pin, wait_us):
     """(µs from the edge of `pin` to the last step, 0 if none came after it; position reported; steps counted; whether
     the player stood still between its `pull` and its `out`, a word in its hand that has not been played)"""
     rig.pico.run(wait_us)
-    edge = _press(rig, pin)
+    edge = _press_pin(rig, pin)
     in_hand = _in_hand(rig)
     rig.pico.run(140)
-    rig.pico.drive(pin, 0)
+    rig.pico.drive_pin(pin, 0)
     reported = _answer_of(rig, 500_000)
     last = max(cycle for log in rig.step_edges for cycle, state in log if state == 1)
     return max(0, last - edge) / CYCLES_PER_US, reported, rig.count_steps(), in_hand
 
 
-def trials(rig, pin, waits_us):
+def try_halts(rig, pin, waits_us):
     """A trial for each wait from now, in ascending order, each on a copy of the running rig; the rig itself runs on."""
     found, now_us = [], 0
     for wait_us in sorted(waits_us):
         rig.pico.run(wait_us - now_us)
         now_us = wait_us
-        found.append(on_a_copy(lambda: trial(rig, pin, 0)))
+        found.append(on_a_copy(lambda: try_halt(rig, pin, 0)))
     return found
 
 
@@ -90,8 +90,8 @@ def amid_start(rig, pin, deltas, steps_s, before_us):
         return min(cycle for log in rig.step_edges for cycle, _ in log)
 
     def attempt(cycle):
-        rig.pico.at(cycle, lambda: rig.pico.drive(pin, 1))
-        _start(rig, deltas, steps_s)
+        rig.pico.call_at(cycle, lambda: rig.pico.drive_pin(pin, 1))
+        _start_line(rig, deltas, steps_s)
         rig.pico.run((cycle - rig.pico.cycle) / CYCLES_PER_US + 20_000)
         return [edge - cycle for log in rig.step_edges for edge, _ in log], _answer_of(rig, 500_000)
 
@@ -106,23 +106,23 @@ def in_hand(rig, pin, tries):
 
     def attempt(wait_us):
         rig.pico.run(wait_us)
-        _press(rig, pin)
+        _press_pin(rig, pin)
         return _in_hand(rig)
 
     for wait_us in tries:
         if on_a_copy(lambda: attempt(wait_us)):
-            return on_a_copy(lambda: trial(rig, pin, wait_us))
+            return on_a_copy(lambda: try_halt(rig, pin, wait_us))
     return None
 
 
-def _start(rig, deltas, steps_s, loop="pass"):
-    rig.clear()
+def _start_line(rig, deltas, steps_s, loop="pass"):
+    rig.clear_edges()
     rig.pico.console.start(_MOVE.format(deltas=deltas, ticks=ticks_of(deltas, steps_s), loop=loop))
 
 
-def _press(rig, pin):
+def _press_pin(rig, pin):
     """The cycle at which `pin` is pressed; then enough time for every interrupt that halts."""
-    rig.pico.drive(pin, 1)
+    rig.pico.drive_pin(pin, 1)
     edge = rig.pico.cycle
     rig.pico.run(60)
     return edge
@@ -133,10 +133,10 @@ def _in_hand(rig):
     return machine.pc == machine.wrap_bottom + 1 and not machine.enabled
 
 
-def resume(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
+def resume_line(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
     """Halt an accelerating line, take it up again where it stood: (position at the stand, dominant steps made,
     position at the end, cycles of the edge of `pin`)."""
-    rig.clear()
+    rig.clear_edges()
     rig.pico.console.start(
         _RESUME.format(
             axes=rig.axes, deltas=deltas, total=max(map(abs, deltas)), each=ticks_of((1,), steps_s),
@@ -146,17 +146,17 @@ def resume(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
     while not any(rig.step_edges):
         rig.pico.run(200)
     rig.pico.run(wait_us)
-    rig.pico.drive(pin, 1)
+    rig.pico.drive_pin(pin, 1)
     edge = rig.pico.cycle
     rig.pico.run(200)
-    rig.pico.drive(pin, 0)
+    rig.pico.drive_pin(pin, 0)
     return *_answer_of(rig, 2_000_000), edge
 
 
 def _answer_of(rig, limit_us):
     if not rig.pico.run_until(lambda: rig.pico.console.text.count(b"\x04") >= 2, limit_us, 200):
-        raise TimeoutError(f"no answer within {limit_us} µs: {rig.pico.console.take()!r}")
-    said, error = rig.pico.console.take().split(b"\x04")[:2]
+        raise TimeoutError(f"no answer within {limit_us} µs: {rig.pico.console.take_output()!r}")
+    said, error = rig.pico.console.take_output().split(b"\x04")[:2]
     if error:
         raise AssertionError(error.decode())
     return eval(said.decode())

@@ -27,14 +27,14 @@ class Heap:
         pool, table = found[0]
         kinds = [byte >> shift & 3 for byte in table for shift in (0, 2, 4, 6)]
         if collected:
-            kinds = _reachable(kinds, pool, words)
+            kinds = _reachable_blocks(kinds, pool, words)
         runs = "".join("01"[kind == _FREE] for kind in kinds).split("0")
         self.total = BLOCK_BYTES * len(kinds)
         self.free = BLOCK_BYTES * kinds.count(_FREE)
         self.largest = BLOCK_BYTES * max(map(len, runs))
 
 
-def _reachable(kinds, pool, words):
+def _reachable_blocks(kinds, pool, words):
     """The table without blocks that no pointer leads to. Any word of RAM outside of the heap counts as a pointer, old stack included: every block
     free here is free for the collector, which may free more."""
     pieces = {}  # {address: blocks}

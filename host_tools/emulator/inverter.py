@@ -22,18 +22,18 @@ class WiredInverter:
         self.wire = pico.uart(int(config["port"][4:]))
         self.wire.listeners.append(self._take_byte)
         self._frame = bytearray()
-        self._gap = pico.chip.clock.create_alarm(self._end)
+        self._gap = pico.chip.clock.create_alarm(self._end_frame)
 
     def _take_byte(self, value):
         self._frame.append(value)
         self._gap.schedule(_GAP_CHARACTERS * BITS_A_BYTE * 1_000_000_000 / self._baud)
 
-    def _end(self):
+    def _end_frame(self):
         frame, self._frame = bytes(self._frame), bytearray()
         self.model.write(frame)
-        self._pico.at(self._pico.cycle + (REPLY_MS + 1) * 1_000_000 // cycles.CYCLE_NS, self._answer)
+        self._pico.call_at(self._pico.cycle + (REPLY_MS + 1) * 1_000_000 // cycles.CYCLE_NS, self._send_reply)
 
-    def _answer(self):
+    def _send_reply(self):
         reply = self.model.read()
         if reply:
             self.wire.feed(reply, self._baud)

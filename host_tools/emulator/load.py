@@ -15,10 +15,10 @@ class Load:
     def __init__(self, pico):
         self._core = pico.chip.core
         self._counts = {}
-        self._alarm = pico.chip.clock.create_alarm(self._sample)
+        self._alarm = pico.chip.clock.create_alarm(self._take_sample)
         self._alarm.schedule(SAMPLE_NS)
 
-    def _sample(self):
+    def _take_sample(self):
         name = "asleep" if self._core.waiting else _EXCEPTIONS.get(self._core.ipsr, "other interrupts")
         self._counts[name] = self._counts.get(name, 0) + 1
         self._alarm.schedule(SAMPLE_NS)

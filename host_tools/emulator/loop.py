@@ -24,10 +24,10 @@ class Loop:
         self._execute = execute_batch
         self.clock = chip.clock
         self.ended = False
-        self._system = system_clock.of(chip)
-        self._system.after.append(self._end)
+        self._system = system_clock.clock_of(chip)
+        self._system.after.append(self._end_run)
 
-    def _end(self):
+    def _end_run(self):
         self.ended = True
 
     def run(self):

@@ -90,7 +90,7 @@ class EmulatedMachine:
             return self._usb
         return self.pico.uart(self.uart_number(link or self._first))
 
-    def listening(self):
+    def is_listening(self):
         """True once the firmware has opened the UARTs of all links: it answers bytes sent from then on."""
         return all(self.pico.chip.uart[self.uart_number(name)].enabled for name in self.uart_links())
 
@@ -145,7 +145,7 @@ class EmulatedMachine:
 
     def replies_so_far(self, link=None):
         """Bytes that the board has sent on a link; they stay there until `take`."""
-        return bytes(self.wire(link).sent)
+        return bytes(self.wire(link).output)
 
     def take(self, link=None):
         """Bytes that the board has sent since the last `take`."""
@@ -155,7 +155,7 @@ class EmulatedMachine:
         """Send bytes and return the answer, once it has `answers` bytes."""
         self.take(link)
         self.send(data, link)
-        self.run_until(lambda: len(self.wire(link).sent) >= answers, limit_ms)
+        self.run_until(lambda: len(self.wire(link).output) >= answers, limit_ms)
         return self.take(link)
 
     # --- the end

@@ -32,7 +32,7 @@ _NOT_MINE, _UNALIGNED, _NOT_THUMB, _UNDEFINED = 1, 2, 3, 4
 
 
 @lru_cache(maxsize=1)
-def library():
+def load_library():
     """The compiled core.c, or None."""
     if os.environ.get("PASSO_NATIVE") == "0" or sys.byteorder != "little":
         return None
@@ -40,7 +40,7 @@ def library():
     path = CACHE / f"core-{hashlib.sha256(source).hexdigest()[:16]}.so"
     try:
         if not path.exists():
-            _compile(path)
+            _compile_core(path)
         found = ctypes.CDLL(str(path))
     except (OSError, subprocess.CalledProcessError):
         return None
@@ -50,7 +50,7 @@ def library():
     return found
 
 
-def _compile(path):
+def _compile_core(path):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if not compiler:
         raise FileNotFoundError("no C compiler")
@@ -62,7 +62,7 @@ def _compile(path):
         made.replace(path)
 
 
-def _address(buffer):
+def _address_of(buffer):
     """The address of a buffer's bytes; they stay there as long as the chip lives."""
     return ctypes.addressof(ctypes.c_char.from_buffer(buffer))
 
@@ -71,14 +71,14 @@ class NativeLoop:
     def __init__(self, chip, cache):
         self._chip = chip
         self.clock = chip.clock
-        self._system = system_clock.of(chip)
+        self._system = system_clock.clock_of(chip)
         self.ended = False
         self.spent = None  # called with (pc, whether in an interrupt, cycles) of each instruction of rp2040py
         state = self._state = cache.state
-        state.r, state.ram = _address(chip.core.registers), _address(chip.sram)
-        state.flash, state.rom = _address(chip.flash), _address(chip.bootrom)
+        state.r, state.ram = _address_of(chip.core.registers), _address_of(chip.sram)
+        state.flash, state.rom = _address_of(chip.flash), _address_of(chip.bootrom)
         self._pointer = ctypes.addressof(state)
-        self._run = library().core_run
+        self._run = load_library().core_run
         reset = chip.sio.reset
 
         def restart():

@@ -3,8 +3,8 @@
 In rp2040py a pin reads only what the outside drives: `Pin.value()` of an output, and a state machine that watches one, see
 nothing. A reset tells no listener. Setting an input to the level that it has raises an edge.
 
-    pads.drive(5, 1)                # the world outside drives GPIO5 high; None lets go, and the pull decides
-    pads.listen(2, heard)           # heard(gpio, state) at each change of what the chip drives: 0, 1 or RELEASED
+    pads.drive_pin(5, 1)                # the world outside drives GPIO5 high; None lets go, and the pull decides
+    pads.add_listener(2, heard)           # heard(gpio, state) at each change of what the chip drives: 0, 1 or RELEASED
 """
 
 RELEASED = 2
@@ -35,15 +35,15 @@ class Pads:
 
         pads.write_uint32 = write_and_watch
 
-    def listen(self, gpio, heard):
+    def add_listener(self, gpio, heard):
         """Call heard(gpio, state) at each change of the chip's side of a pin: 0, 1 or RELEASED."""
         self._listeners.setdefault(gpio, []).append(heard)
 
-    def state(self, gpio):
+    def state_of(self, gpio):
         """The level that the chip drives: 0, 1 or RELEASED."""
         return min(int(self._chip.gpio[gpio].value), RELEASED)
 
-    def drive(self, gpio, level):
+    def drive_pin(self, gpio, level):
         """Drive a pin from outside to `level`; None lets go, and the pull decides."""
         if level is None:
             self._outside.pop(gpio, None)
@@ -59,7 +59,7 @@ class Pads:
             pin._driven, pin._raw_input_value = gpio in self._outside, self._outside.get(gpio, False)
         let_go, self._driven = sorted(self._driven), set()
         for gpio in let_go:
-            self._tell(gpio, RELEASED)
+            self._call_listeners(gpio, RELEASED)
 
     def _make_listener(self, pin):
         gpio = pin.index
@@ -69,32 +69,32 @@ class Pads:
                 if gpio in self._driven:
                     self._driven.discard(gpio)
                     self._let_go(pin)
-                    self._tell(gpio, RELEASED)
+                    self._call_listeners(gpio, RELEASED)
                 return
             self._driven.add(gpio)
             if self._loop_back:
-                self._set(pin, bool(state))
-            self._tell(gpio, int(state))
+                self._set_input(pin, bool(state))
+            self._call_listeners(gpio, int(state))
 
         return note_state
 
-    def _tell(self, gpio, state):
+    def _call_listeners(self, gpio, state):
         for heard in self._listeners.get(gpio, ()):
             heard(gpio, state)
 
     def _let_go(self, pin):
         level = self._outside.get(pin.index)
         if level is not None:
-            self._set(pin, level)
+            self._set_input(pin, level)
             return
         up, down = pin.pullup_enabled, pin.pulldown_enabled
         if up == down or up == bool(pin._raw_input_value):
             pin._driven = False  # the level stays
         else:
-            self._set(pin, up)
+            self._set_input(pin, up)
             pin._driven = False
 
-    def _set(self, pin, level):
+    def _set_input(self, pin, level):
         if pin._driven and pin._raw_input_value == level:
             return
         pios = self._chip.pio

@@ -1,6 +1,6 @@
 """Corrects rp2040py 0.3.6 where it differs from the chip; one function for each fault.
 
-    apply(chip, leave_out=("uart",))
+    apply_patches(chip, leave_out=("uart",))
 
 Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`,
 `system_clock`; the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
@@ -21,7 +21,7 @@ _PWM_DREQ = 24
 
 def system_clock(chip):
     """See the module `system_clock`."""
-    clock_patch.of(chip).install()
+    clock_patch.clock_of(chip).install()
 
 
 def uart(chip):
@@ -85,7 +85,7 @@ def timer_alarms(chip):
 ALL = (system_clock, uart, pio, dma_pacing, dma_write_only, pwm_request, timer_alarms)
 
 
-def apply(chip, leave_out=()):
+def apply_patches(chip, leave_out=()):
     for patch in ALL:
         if patch.__name__ not in leave_out:
             patch(chip)

@@ -4,8 +4,8 @@
     pico.boot()                         # until USB is up
     pico.run(500_000)                   # half a second
     pico.exec("print(1)")               # over the raw REPL
-    edges = pico.edges(2)               # [(cycle, state), …] of GPIO2 from now on; RELEASED is an undriven pin
-    pico.drive(5, 0)                    # the world pulls GPIO5 low
+    edges = pico.record_edges(2)               # [(cycle, state), …] of GPIO2 from now on; RELEASED is an undriven pin
+    pico.drive_pin(5, 0)                    # the world pulls GPIO5 low
     wire = pico.uart(0)                 # wire.feed(b"…") at the wire's pace; wire.drain() is what the Pico sent
     pico.hard_reset(); pico.power_cycle()
 
@@ -32,16 +32,16 @@ class EmulatedPico:
     def __init__(self, files=None, image=None, uf2=None, leave_out=(), flash_miss=None):
         binary.load_emulator()
         self._uf2 = uf2 or binary.find_uf2()
-        self._files_at, self._blocks = filesystem.location(self._uf2)
+        self._files_at, self._blocks = filesystem.location_of(self._uf2)
         self._leave_out = leave_out
         self._flash_miss = default_miss_cycles() if flash_miss is None else flash_miss
         self.flash_times = None
         if files is not None:
             files = files if isinstance(files, dict) else filesystem.folder_files(files)
             image = filesystem.make_image(files, self._blocks)
-        self._build(image)
+        self._build_chip(image)
 
-    def _build(self, image):
+    def _build_chip(self, image):
         from rp2040py.boards import BOARDS, resolve_firmware
         from rp2040py.device import MicroPythonDevice
         from rp2040py.utils.logging import LogLevel
@@ -51,7 +51,7 @@ class EmulatedPico:
         self.chip = self._device.mcu
         self._clock = self.chip.clock
         self._halted = False
-        patches.apply(self.chip, self._leave_out)
+        patches.apply_patches(self.chip, self._leave_out)
         bus.install(self.chip)
         self.flash_times = FlashTimes(self.chip, self.flash_times.times if self.flash_times else TYPICAL)
         self.flash_cache = FlashCache(self.chip)
@@ -67,16 +67,16 @@ class EmulatedPico:
             self.chip.flash[start : start + len(image)] = image
 
     def _make_loop(self):
-        if "pio" not in self._leave_out and native.library():
+        if "pio" not in self._leave_out and native.load_library():
             return native.NativeLoop(self.chip, self.flash_cache)
         if self._flash_miss:
-            self.flash_cache.watch()
+            self.flash_cache.watch_accesses()
         return Loop(self.chip)
 
     def charge_flash(self, cycles):
         """Let a miss of the flash cache cost `cycles` from now on; returns the FlashCache."""
         if cycles and not self._flash_miss and self.native_loop is None:
-            self.flash_cache.watch()
+            self.flash_cache.watch_accesses()
         self._flash_miss = self.flash_cache.miss_cycles = cycles
         return self.flash_cache
 
@@ -90,14 +90,14 @@ class EmulatedPico:
     @property
     def cycle(self):
         """Cycles of the 125 MHz clock since power-on, sleep and resets included."""
-        return cycles.now(self._clock)
+        return cycles.now_cycles(self._clock)
 
     @property
     def now_us(self):
         """Microseconds since power-on, a float."""
         return self._clock.nanos / 1000
 
-    def at(self, cycle, action):
+    def call_at(self, cycle, action):
         """Call `action()` at a cycle; returns the alarm, which has `cancel()`."""
         alarm = self._clock.create_alarm(action)
         alarm.schedule(max(0.0, cycle * cycles.CYCLE_NS - self._clock.nanos))
@@ -113,7 +113,7 @@ class EmulatedPico:
             loop.ended = True
 
         begun = self.cycle
-        alarm = self.at(begun + round(us * cycles.CYCLES_PER_US), end)
+        alarm = self.call_at(begun + round(us * cycles.CYCLES_PER_US), end)
         self._halted = False
         while not reached and not self._halted:
             loop.run()
@@ -159,7 +159,7 @@ class EmulatedPico:
 
     def power_cycle(self):
         """Switch the power off and on: only the flash survives. Make wires and listeners anew."""
-        self._build(self.image())
+        self._build_chip(self.image())
         return self.boot()
 
     def _await_usb(self, before, limit_us, given_up=None):
@@ -196,16 +196,16 @@ class EmulatedPico:
     def soft_reset(self):
         self.console.soft_reset()
 
-    def edges(self, gpio, log=None):
+    def record_edges(self, gpio, log=None):
         """A list that gets (cycle, 0, 1 or pads.RELEASED) at each change of the level that the Pico drives on a pin."""
         log = [] if log is None else log
         clock = self._clock
-        self.pads.listen(gpio, lambda _, state: log.append((cycles.now(clock), state)))
+        self.pads.add_listener(gpio, lambda _, state: log.append((cycles.now_cycles(clock), state)))
         return log
 
-    def drive(self, gpio, level):
+    def drive_pin(self, gpio, level):
         """The world drives a pin to 0 or 1, or lets it go (None: the pad's own pull decides)."""
-        self.pads.drive(gpio, level)
+        self.pads.drive_pin(gpio, level)
 
     def uart(self, index):
         """The other end of a UART; the same object each time."""

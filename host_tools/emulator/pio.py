@@ -41,10 +41,10 @@ class TimedPio(RPPIO):
     def __init__(self, chip, name, first_irq, index):
         self._chip = chip
         self._clock = chip.clock
-        self._alarm = chip.clock.create_alarm(self._due)
-        self._system = system_clock.of(chip)
+        self._alarm = chip.clock.create_alarm(self._on_alarm)
+        self._system = system_clock.clock_of(chip)
         self._system.before.append(lambda: self.catch_up(False))
-        self._system.after.append(self._plan)
+        self._system.after.append(self._plan_alarm)
         self._origin = self._system.cycle()  # the cycle at which the block's own count is 0
         self._skips = [None] * 4  # of each machine: (first due, turn, turns, counters, end, lasting), in 1/256 cycles
         self._passes = [None] * 4  # of each machine: (its state, due) as it last began a pass; None: something has happened since
@@ -55,14 +55,14 @@ class TimedPio(RPPIO):
     # --- the bus
 
     def read_uint32(self, offset):
-        self._unpark()
+        self._unpark_machines()
         self.catch_up(_MACHINES <= offset < _MACHINES_END)
         value = super().read_uint32(offset)
-        self._plan()
+        self._plan_alarm()
         return value
 
     def write_uint32(self, offset, value):
-        self._unpark()
+        self._unpark_machines()
         configures = offset == _CONTROL or _MEMORY <= offset < _MACHINES_END
         self.catch_up(configures)
         if configures and offset != _CONTROL:
@@ -71,10 +71,10 @@ class TimedPio(RPPIO):
         if _MACHINES <= offset < _MACHINES_END:
             machine, register = divmod(offset - _MACHINES, _MACHINE_SIZE)
             if register == _SHIFT_CONTROL:
-                self._join(self.machines[machine])
+                self._join_fifos(self.machines[machine])
             elif register == _INSTRUCTION:
                 self.check_changed_pins()
-        self._plan()
+        self._plan_alarm()
 
     def reset(self):
         super().reset()
@@ -84,7 +84,7 @@ class TimedPio(RPPIO):
         self._loops.clear()
         self._alarm.cancel()
 
-    def _join(self, machine):
+    def _join_fifos(self, machine):
         """FIFOs are four words each, or eight and none; changing that empties them."""
         send, receive = bool(machine.shift_ctrl & _JOIN_SEND), bool(machine.shift_ctrl & _JOIN_RECEIVE)
         sizes = (0, 0) if send and receive else (8, 0) if send else (0, 8) if receive else (4, 4)
@@ -101,15 +101,15 @@ class TimedPio(RPPIO):
     def input_changes(self, gpio):
         """To be called before the level of an input changes, and `input_changed` after it."""
         if not self._running:
-            self._unpark(gpio)
+            self._unpark_machines(gpio)
             self.catch_up(any(skip and not skip[5] for skip in self._skips))
 
     def input_changed(self):
-        self._plan()
+        self._plan_alarm()
 
-    def _due(self):
+    def _on_alarm(self):
         self.catch_up(False)
-        self._plan()
+        self._plan_alarm()
 
     def catch_up(self, unwind):
         """Run what is due by now; `unwind`: put delay loops that were run through ahead back to where they are now."""
@@ -118,14 +118,14 @@ class TimedPio(RPPIO):
         self._running = True
         now = self._system.cycle() - self._origin << 8
         if unwind:
-            self._unwind(now)
+            self._unwind_loops(now)
         while self.next_due_fp <= now:
             self.cycle_fp = self.next_due_fp
             self.advance(0)
         self.cycle_fp = now
         self._running = False
 
-    def _unwind(self, now):
+    def _unwind_loops(self, now):
         if not any(self._skips):
             return
         for index, skip in enumerate(self._skips):
@@ -141,7 +141,7 @@ class TimedPio(RPPIO):
                 machine.next_due_fp = end - left * turn
         self.recompute_due()
 
-    def _plan(self):
+    def _plan_alarm(self):
         """Set the alarm for the next instruction, after running through delay loops that begin here."""
         if self._running:
             return
@@ -152,15 +152,15 @@ class TimedPio(RPPIO):
         for machine in self.machines if self.skipping else ():
             if machine.enabled and not machine.waiting and machine.next_due_fp == due:
                 if machine.pc == machine.wrap_bottom and not machine.exec_valid:
-                    self._park(machine)
-                self._skip(machine)
+                    self._park_machine(machine)
+                self._skip_loop(machine)
         due = self.next_due_fp
         at_ns = self._system.nanos_at(self._origin + (due + 255 >> 8))
         self._alarm.schedule(max(0.0, at_ns - self._clock.nanos))
 
     # --- polling loops
 
-    def _park(self, machine):
+    def _park_machine(self, machine):
         """`machine` begins a pass: if nothing has happened in the one before, it waits for something to happen."""
         index = machine.index
         due = machine.next_due_fp
@@ -171,7 +171,7 @@ class TimedPio(RPPIO):
         before, self._passes[index] = self._passes[index], (state, due)
         if before is None or due <= before[1]:
             return
-        counts = _counts(before[0], state)
+        counts = _counts_down(before[0], state)
         if before[0] != state and not counts:
             return
         pins = self._pins_polled(machine)
@@ -191,7 +191,7 @@ class TimedPio(RPPIO):
                 pins |= {machine.in_base + bit & 31 for bit in range(argument & 31 or 32)}
         return pins
 
-    def _unpark(self, gpio=None):
+    def _unpark_machines(self, gpio=None):
         for index, parked in enumerate(self._parked):
             if gpio is None or parked is None or gpio in parked[2]:
                 self._passes[index] = None
@@ -209,7 +209,7 @@ class TimedPio(RPPIO):
 
     # --- delay loops
 
-    def _skip(self, machine):
+    def _skip_loop(self, machine):
         index = machine.index
         skip = self._skips[index]
         if skip is not None:
@@ -273,7 +273,7 @@ class TimedPio(RPPIO):
         return None, lasting
 
 
-def _counts(before, state):
+def _counts_down(before, state):
     """Whether X has gone down by one since a pass began, OSR, which holds what X was, likewise, and nothing else has changed."""
     x, osr = state[0], state[4]
     return x == before[0] - 1 and osr == before[4] - 1 == x + 1 and before[1:4] + before[5:] == state[1:4] + state[5:]

@@ -86,7 +86,7 @@ class Profile:
 
     def _count_python(self, pc, handler, cycles):
         """Count cycles of an instruction that rp2040py itself executed."""
-        self._counts[handler][2 * _slot(pc)] += cycles
+        self._counts[handler][2 * _slot_of(pc)] += cycles
 
     def end(self):
         """Stop counting; returns a Spent."""
@@ -95,7 +95,7 @@ class Profile:
         return Spent(self._counts, bytes(self._chip.sram), bytes(self._chip.flash[:_FLASH_BYTES]))
 
 
-def _slot(pc):
+def _slot_of(pc):
     if pc < _FLASH:
         return _FLASH_SLOTS + _RAM_SLOTS + pc // 2 % _ROM_SLOTS
     if pc < _RAM:
@@ -103,7 +103,7 @@ def _slot(pc):
     return _FLASH_SLOTS + (pc - _RAM) // 2 % _RAM_SLOTS
 
 
-def _address(slot):
+def _address_of(slot):
     if slot < _FLASH_SLOTS:
         return _FLASH + 2 * slot
     if slot < _FLASH_SLOTS + _RAM_SLOTS:
@@ -116,19 +116,19 @@ class Spent:
         self._ram, self._flash = ram, flash
         cycles, waits = ([part[first::2] for part in counts] for first in (0, 1))
         self.places = {
-            _address(slot): Cost(main, interrupts, waits[0][slot], waits[1][slot])
+            _address_of(slot): Cost(main, interrupts, waits[0][slot], waits[1][slot])
             for slot, (main, interrupts) in enumerate(zip(*cycles))
             if main or interrupts
         }
 
     def total(self):
-        return _sum(self.places.values())
+        return _sum_costs(self.places.values())
 
     def functions(self, symbols):
         """[(name, Cost)], the dearest first."""
         found = defaultdict(Cost)
         for address, cost in self.places.items():
-            found[symbols.name(address)] += cost
+            found[symbols.name_of(address)] += cost
         return sorted(found.items(), key=lambda one: -one[1].cycles)
 
     def parts(self, symbols=None):
@@ -147,8 +147,8 @@ class Spent:
         kernels = Kernels(symbols, self._ram, self._flash)
         found, calls, first = defaultdict(Cost), {}, {}
         for address, cost in sorted(self.places.items()):
-            if symbols.name(address) == IN_RAM:
-                name = kernels.name(address)
+            if symbols.name_of(address) == IN_RAM:
+                name = kernels.name_of(address)
                 found[name] += cost
                 if first.setdefault(name, address) == address:
                     calls[name] = (cost.cycles - cost.waits) // self._cycles_at(address)
@@ -160,7 +160,7 @@ class Spent:
         return 1 + (opcode & 0xFF).bit_count() if opcode >> 9 == 0x5A else 1
 
 
-def _sum(costs):
+def _sum_costs(costs):
     total = Cost()
     for cost in costs:
         total += cost
@@ -184,7 +184,7 @@ class Symbols:
         self.objects = objects
         self._starts, self._ends, self._names = map(list, zip(*sorted(functions)))
 
-    def name(self, address):
+    def name_of(self, address):
         """Name of the function at `address`, or of the region if the ELF file has none there."""
         index = bisect.bisect_right(self._starts, address) - 1
         if index >= 0 and address < self._ends[index]:

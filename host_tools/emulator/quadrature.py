@@ -1,7 +1,7 @@
 """An encoder's two wires on an emulated Pico.
 
     wires = Quadrature(pico, 16, 250_000)       # A on GPIO16, B on GPIO17; counts a second
-    wires.turn(1200)                            # 1200 counts from now on, back if negative
+    wires.turn_by(1200)                            # 1200 counts from now on, back if negative
     wires.count
 """
 
@@ -16,30 +16,30 @@ class Quadrature:
         self._pico, self._pin = pico, pin
         self._period_ns = _NS / counts_s
         self._offset_ns = offset_ns
-        self._alarm = pico.chip.clock.create_alarm(self._step)
-        self._show()
+        self._alarm = pico.chip.clock.create_alarm(self._step_once)
+        self._show_levels()
 
-    def turn(self, counts):
+    def turn_by(self, counts):
         """Turn by `counts` from now on, behind those under way; negative: back."""
         if counts and not self.left:
             self._alarm.schedule(self._period_ns + self._offset_ns)
         self.left += counts
 
-    def jump(self, counts):
+    def jump_by(self, counts):
         """Both wires change at once: nobody can tell which way."""
         self.count += counts
-        self._show()
+        self._show_levels()
 
-    def _step(self):
+    def _step_once(self):
         if not self.left:  # turned back meanwhile
             return
         sign = 1 if self.left > 0 else -1
         self.count += sign
         self.left -= sign
-        self._show()
+        self._show_levels()
         if self.left:
             self._alarm.schedule(self._period_ns)
 
-    def _show(self):
+    def _show_levels(self):
         for pin, level in zip((self._pin, self._pin + 1), _LEVELS[self.count & 3]):
-            self._pico.drive(pin, level)
+            self._pico.drive_pin(pin, level)

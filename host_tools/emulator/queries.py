@@ -1,10 +1,10 @@
 """Asks for the position while the machine steps: on the chip itself, and over a link.
 
-    for took_us, walked in positions(rig, (10000, 7000, -5000), 100_000): …     # raises AssertionError if one is wrong
+    for took_us, walked in ask_positions(rig, (10000, 7000, -5000), 100_000): …     # raises AssertionError if one is wrong
 
     asking = Asking(machine, "serial")
-    asking.stream([b"G1X9F900\\n", …])
-    asking.status()                 # ms from `?` to the answer's first byte
+    asking.stream_lines([b"G1X9F900\\n", …])
+    asking.ask_status()                 # ms from `?` to the answer's first byte
 """
 
 from bisect import bisect_right
@@ -62,10 +62,10 @@ print((min([nothing() for _ in range(20)]), list(asked[:at])))
 """
 
 
-def positions(rig, deltas, steps_s):
+def ask_positions(rig, deltas, steps_s):
     """[(µs that asking took, words walked since the last checkpoint)] of a line's position, asked at all times between two
     turns of the feeder. Raises AssertionError unless each answer is where the edges had the axes meanwhile."""
-    rig.clear()
+    rig.clear_edges()
     each = 3 + rig.axes
     code = _ASK.format(each=each, count=ASKED, deltas=deltas, ticks=ticks_of(deltas, steps_s))
     reading_us, asked = eval(rig.pico.exec(code, limit_us=LIMIT_US))
@@ -93,52 +93,52 @@ class Asking:
         config = next(config for config in machine.board["links"] if config["name"] == link)
         self._wire = None
         if config["port"] == "usb":
-            self._pico.usb.heard = self._take
+            self._pico.usb.heard = self._take_bytes
         else:
             self._wire, self._baud = machine.wire(link), config["baud"]
-            self._wire.listeners.append(lambda value: self._take(bytes((value,))))
+            self._wire.listeners.append(lambda value: self._take_bytes(bytes((value,))))
         self.said = bytearray()
         self._begins = []  # cycles at which a status has begun
         self._think_cycles = think_us * CYCLES_PER_US
         self._lines = []  # still to be sent
         self.unanswered = []  # lengths of the lines sent
 
-    def _take(self, data):
+    def _take_bytes(self, data):
         self._begins += [self._pico.cycle] * data.count(b"<")
         before = self.said.count(b"ok\r\n")
         self.said += data
         answered = self.said.count(b"ok\r\n") - before
         if answered and self._think_cycles:
-            self._pico.at(self._pico.cycle + self._think_cycles, lambda: self._note_answers(answered))
+            self._pico.call_at(self._pico.cycle + self._think_cycles, lambda: self._note_answers(answered))
         else:
             self._note_answers(answered)
 
     def _note_answers(self, count):
         for _ in range(count):
             self.unanswered.pop(0)
-            self._pump()
+            self._send_waiting()
 
-    def _put(self, data):
+    def _send_bytes(self, data):
         """Returns the cycle at which the last byte has arrived."""
         if self._wire:
             return self._wire.feed(data, self._baud)
         self._pico.usb.write(data)
         return self._pico.cycle
 
-    def stream(self, lines):
+    def stream_lines(self, lines):
         """Send lines, as many at a time as grbl's buffer takes."""
         self._lines += lines
-        self._pump()
+        self._send_waiting()
 
-    def _pump(self):
+    def _send_waiting(self):
         while self._lines and sum(self.unanswered) + len(self._lines[0]) <= self._window:
             line = self._lines.pop(0)
             self.unanswered.append(len(line))
-            self._put(line)
+            self._send_bytes(line)
 
-    def status(self):
+    def ask_status(self):
         """Send `?`; returns the emulated ms from its arrival to the first byte of the answer. Raises TimeoutError."""
         self._begins.clear()
-        asked = self._put(b"?")
+        asked = self._send_bytes(b"?")
         self._machine.run_until(lambda: self._begins, ANSWER_LIMIT_MS, 200)
         return (self._begins[0] - asked) / CYCLES_PER_US / 1000

@@ -1,6 +1,6 @@
 """The firmware's App on an emulated Pico, under a main loop of the caller's, with every edge on record.
 
-    rig = Rig(router(3), uf2=None)
+    rig = Rig(router_board(3), uf2=None)
     run = rig.play([((4000, 4000, 4000), 100_000)], loop="gc.collect()")
     run.off, run.late, run.shares
 
@@ -76,7 +76,7 @@ _LEAD_TICKS = 150_000
 _TIMER_LEAST_TICKS = 500  # timer_player.SHORTEST_TICKS: that module is for a board only
 
 
-def router(axes=3, **changes):
+def router_board(axes=3, **changes):
     """A board dict: STEP/DIR, pulses of 1 µs, so that words may follow each other every 2.08 µs."""
     board = {
         "name": "bench",
@@ -151,36 +151,36 @@ class Rig:
         self.board = check(copy.deepcopy(board))
         files = {path: data for path, data in files_of(board).items() if path != "main.py"}
         self.pico = EmulatedPico(files=files, uf2=uf2).boot()
-        self._listen()
+        self._record_edges()
         self.pico.exec(start)
 
-    def fit(self, board):
+    def load_board(self, board):
         """The App anew, for another board. On a copy, and once: the player's first program stays where it is."""
         self.board = check(copy.deepcopy(board))
-        self._listen()
+        self._record_edges()
         self.pico.exec(FIT.format(board=board))
 
-    def _listen(self):
+    def _record_edges(self):
         self.axes = len(self.board["axes"])
-        self.edges = [self.pico.edges(pin) for pin in word_pins(self.board)]
+        self.edges = [self.pico.record_edges(pin) for pin in word_pins(self.board)]
         self.step_edges, self.dir_edges = self.edges[: self.axes], self.edges[self.axes : 2 * self.axes]
 
     def wire(self):
         """The wire of UART0."""
         return self.pico.uart(0)
 
-    def clear(self):
+    def clear_edges(self):
         """Forget the edges so far, and count steps anew."""
         for log in self.edges:
             log.clear()
         pins = word_pins(self.board)
-        self._levels = sum((self.pico.pads.state(pin) == 1) << bit for bit, pin in enumerate(pins))
+        self._levels = sum((self.pico.pads.state_of(pin) == 1) << bit for bit, pin in enumerate(pins))
 
     def _inversions(self):
         return inverted_pins(self.board, make_drive(self.board)[0])
 
     def count_steps(self):
-        """Steps of each axis since the last clear(), signed, as a STEP/DIR driver would count them: edges alone."""
+        """Steps of each axis since the last clear_edges(), signed, as a STEP/DIR driver would count them: edges alone."""
         invert = self._inversions()
         positions = []
         for axis, (steps, turns) in enumerate(zip(self.step_edges, self.dir_edges)):
@@ -196,7 +196,7 @@ class Rig:
     def play(self, lines, loop="pass", limit_us=3_000_000, meanwhile=None):
         """`lines`: [(deltas, steps a second of the dominant axis)]; `meanwhile()` is called before each slice."""
         timed = [(deltas, ticks_of(deltas, steps_s)) for deltas, steps_s in lines]
-        self.clear()
+        self.clear_edges()
         self.pico.console.start(PLAY.format(lines=timed, loop=loop))
         run, end = Run(), self.pico.cycle + limit_us * 125
         while not any(self.step_edges):
@@ -209,7 +209,7 @@ class Rig:
                 meanwhile()
             self.pico.run(500)
         run.shares = load.end()
-        said, error = self.pico.console.take().split(b"\x04")[:2]
+        said, error = self.pico.console.take_output().split(b"\x04")[:2]
         assert not error, error.decode()
         late, turns, position = said.decode().split(" ", 2)
         run.late, run.turns, run.position = int(late), int(turns), eval(position)

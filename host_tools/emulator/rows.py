@@ -1,7 +1,7 @@
 """Streams to the emulated Pico as senders send them: lines of 0.2 mm, and a laser's dots as lines, as clusters and packed.
 
     machine = fast_laser(200)                                   # booted; boards/laser_fast.py with 200 m/s²
-    run = on_a_copy(lambda: measure(machine, "usb", "packed", 1000))
+    run = on_a_copy(lambda: measure_stream(machine, "usb", "packed", 1000))
     run["rate"], run["late"], run["stands"], run["asked_ms"]    # dots a second, words late, standstills, of each `?`
 
 A sender has `WINDOW` bytes under way, which `$I` tells, and takes `think_us` to hear an answer and to send what that makes room for.
@@ -33,22 +33,22 @@ def fast_laser(clock_mhz):
     board = {**copy.deepcopy(boards.load("laser_fast")), "clock_mhz": clock_mhz, "journal": None}
     for axis in board["axes"]:
         axis.update(max_mm_min=30_000, accel_mm_s2=200_000)
-    return _boot(board)
+    return _boot_board(board)
 
 
 def fast_router(clock_mhz):
     """A booted router_3axis whose axes are faster than any link, its serial link at BAUD."""
     board = copy.deepcopy(gcode.fast_board((), clock_mhz=clock_mhz, mm_s=500, mm_s2=300_000)[0])
-    return _boot({**board, "journal": None})
+    return _boot_board({**board, "journal": None})
 
 
-def _boot(board):
+def _boot_board(board):
     """A booted machine of `board` without frames, its UART links at BAUD."""
     board["links"] = [{key: value for key, value in link.items() if key != "lost"} for link in board["links"]]
     for link in board["links"]:
         if link["port"] != "usb":
             link["baud"] = BAUD
-    machine = gcode.router(board)
+    machine = gcode.boot_router(board)
     gcode.talk_to(machine)
     return machine
 
@@ -69,11 +69,11 @@ def dots(kind, times=1):
     return ["$X", "G21G91G94", f"M4S0F{60 * mm_s}", "G0"], (lines * rows)[: rows * (len(lines) // 2)], rows * count
 
 
-def _oks(asking):
+def _count_oks(asking):
     return asking.said.count(b"ok\r\n")
 
 
-def measure(machine, link, kind, think_us, times=1):
+def measure_stream(machine, link, kind, think_us, times=1):
     """The figures of one stream, its first quarter left out of the rate; `times` as long."""
     if kind == "lines":
         start, text = gcode.chords(LINE_MM)
@@ -86,20 +86,20 @@ def measure(machine, link, kind, think_us, times=1):
     if link != machine.board["links"][0]["name"]:
         head = ["$LINK=0", *head]
     asking = Asking(machine, link, think_us, WINDOW)
-    edges = machine.pico.edges(machine.board["axes"][0]["pins"][0])
-    asking.stream([line.encode() + b"\n" for line in head])
-    machine.run_until(lambda: _oks(asking) >= len(head), 5000)
-    asking.status()  # as every sender does first; it makes the buffers
-    asking.stream([line.encode() + b"\n" for line in (*lines, "G4P0.01", "$LOG")])
+    edges = machine.pico.record_edges(machine.board["axes"][0]["pins"][0])
+    asking.stream_lines([line.encode() + b"\n" for line in head])
+    machine.run_until(lambda: _count_oks(asking) >= len(head), 5000)
+    asking.ask_status()  # as every sender does first; it makes the buffers
+    asking.stream_lines([line.encode() + b"\n" for line in (*lines, "G4P0.01", "$LOG")])
     begun, asked_ms = [], []
     for wanted in (len(lines) // 4, len(lines)):
         until = wanted + len(head)
-        while _oks(asking) < until:
-            asked_ms.append(asking.status())
-            machine.pico.run_until(lambda: _oks(asking) >= until, ASK_MS * 1000, 100)
+        while _count_oks(asking) < until:
+            asked_ms.append(asking.ask_status())
+            machine.pico.run_until(lambda: _count_oks(asking) >= until, ASK_MS * 1000, 100)
             assert len(asked_ms) * ASK_MS < LIMIT_MS
         begun.append(machine.pico.cycle)
-    machine.run_until(lambda: _oks(asking) >= len(lines) + len(head) + 2, LIMIT_MS)
+    machine.run_until(lambda: _count_oks(asking) >= len(lines) + len(head) + 2, LIMIT_MS)
     assert b"error" not in asking.said, bytes(asking.said[-200:])
     lost = getattr(machine.wire(link), "overruns", 0)  # USB loses none
     assert not lost, f"{lost} bytes came while the UART's FIFO was full"

@@ -37,9 +37,9 @@ class SdCard:
         self._spi = pico.chip.spi[config["spi"]]
         self._selected = False
         self._power_up()
-        self._shifted = pico.chip.clock.create_alarm(self._done)
-        self._spi.on_transmit = self._transmit
-        pico.pads.listen(config["cs"], self._select)
+        self._shifted = pico.chip.clock.create_alarm(self._end_byte)
+        self._spi.on_transmit = self._transmit_byte
+        pico.pads.add_listener(config["cs"], self._on_select)
         self._reply = _HIGH
 
     def _power_up(self):
@@ -53,31 +53,31 @@ class SdCard:
         self._many = False
         self._block = None  # bytes of the block that comes
 
-    def _select(self, _, state):
+    def _on_select(self, _, state):
         self._selected = state == 0
         self._command.clear()
 
-    def _transmit(self, value):
-        self._reply = self._exchange(value) if self.inside and self._selected else _HIGH
+    def _transmit_byte(self, value):
+        self._reply = self._exchange_byte(value) if self.inside and self._selected else _HIGH
         if not self.inside:
             self._power_up()
         self._shifted.schedule(8e9 / self._spi.clock_frequency)
 
-    def _done(self):
+    def _end_byte(self):
         self._spi.complete_transmit(self._reply)
 
-    def _exchange(self, value):
+    def _exchange_byte(self, value):
         """The byte that goes out while `value` comes in."""
         if not self._out and self._reading is not None:
-            self._put_block(self._sector(self._reading))
+            self._put_block(self._read_sector(self._reading))
             self._reading += 1
         reply = self._out.popleft() if self._out else _HIGH
         if self._block is not None:
-            self._take(value)
+            self._take_block_byte(value)
         elif self._command or value & 0xC0 == 0x40:
             self._command.append(value)
             if len(self._command) == 6:
-                self._obey(bytes(self._command))
+                self._obey_command(bytes(self._command))
                 self._command.clear()
         elif self._writing is not None:
             if value == (_TOKEN_MANY if self._many else _TOKEN):
@@ -87,7 +87,7 @@ class SdCard:
                 self._out.extend([_HIGH] + [0] * WRITE_BYTES)
         return reply
 
-    def _take(self, value):
+    def _take_block_byte(self, value):
         self._block.append(value)
         if len(self._block) < SECTOR + 2:
             return
@@ -98,21 +98,21 @@ class SdCard:
         self._writing = self._writing + 1 if self._many else None
         self._out.extend([0xE0 | _ACCEPTED] + [0] * WRITE_BYTES)
 
-    def _sector(self, number):
+    def _read_sector(self, number):
         self.reads += 1
         return self.data[number * SECTOR : (number + 1) * SECTOR]
 
     def _put_block(self, data):
         self._out.extend([_HIGH, _TOKEN, *data, 0, 0])
 
-    def _csd(self):
+    def _csd_register(self):
         units = len(self.data) // _CSD_UNIT - 1
         csd = bytearray(16)
         csd[0] = 0x40
         csd[7:10] = units.to_bytes(3, "big")
         return csd
 
-    def _obey(self, command):
+    def _obey_command(self, command):
         number, argument = command[0] & 0x3F, int.from_bytes(command[1:5], "big")
         application, self._application = self._application, False
         self._reading = None
@@ -142,9 +142,9 @@ class SdCard:
         else:
             self._out.append(0)
             if number == 9:
-                self._put_block(self._csd())
+                self._put_block(self._csd_register())
             elif number == 17:
-                self._put_block(self._sector(argument))
+                self._put_block(self._read_sector(argument))
             elif number == 18:
                 self._reading = argument
             elif number in (24, 25):

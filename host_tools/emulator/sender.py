@@ -10,7 +10,7 @@ With a window of 1 it is a program that waits for each NEXT before it sends the 
 from dataclasses import dataclass
 
 from host_tools.emulator.cycles import CYCLES_PER_US
-from host_tools.emulator.rig import Rig, router, ticks_of
+from host_tools.emulator.rig import Rig, router_board, ticks_of
 from host_tools.emulator.traffic import points
 from host_tools.emulator.wire import BITS_A_BYTE
 from passo.protocols.plotter.host import PACKET
@@ -46,7 +46,7 @@ print(feeder.late, controller.machine.log.entries)
 
 def usb_rig(uf2=None):
     """A Rig whose link is USB."""
-    return Rig(router(3, links=[_USB]), uf2)
+    return Rig(router_board(3, links=[_USB]), uf2)
 
 
 @dataclass
@@ -67,21 +67,21 @@ class Sender:
         if baud:
             self._pico.exec(_RATE.format(baud=baud))
             self._wire = rig.wire()
-            self._wire.listeners.append(lambda byte: self._hear(bytes((byte,))))
+            self._wire.listeners.append(lambda byte: self._take_answers(bytes((byte,))))
         self._packets = []  # not yet sent
         self._answers = bytearray()
         self._wanted = self._ended = 0  # how many, and the cycle at which they were all there
 
-    def _put(self, data):
+    def _send_bytes(self, data):
         if self._wire:
             self._wire.feed(data, self._baud)
         else:
             self._pico.usb.write(data)
 
-    def _hear(self, data):
+    def _take_answers(self, data):
         self._answers += data
         for _ in range(min(data.count(NEXT), len(self._packets))):
-            self._put(self._packets.pop(0))
+            self._send_bytes(self._packets.pop(0))
         if not self._ended and len(self._answers) >= self._wanted:
             self._ended = self._pico.cycle
 
@@ -93,11 +93,11 @@ class Sender:
         console.start(_LOOP.format(hz=hz, lines=timed, count=count))
         console.expect(b"ready\r\n")
         if not self._wire:
-            pico.usb.heard = self._hear
+            pico.usb.heard = self._take_answers
         data = points(count)
         self._packets = [data[at : at + PACKET] for at in range(window * PACKET, len(data), PACKET)]
         self._wanted, begun = count, pico.cycle
-        self._put(data[: window * PACKET])
+        self._send_bytes(data[: window * PACKET])
         if not pico.run_until(lambda: self._ended, _LIMIT_US, 500):
             raise TimeoutError(f"{len(self._answers)} of {count} answers")
         pico.usb.heard = console.text.extend

@@ -19,27 +19,27 @@ class Chains:
         self.outputs = [0] * len(self._shifted)
         self._clock = self._latch = None
         self.transfers = 0
-        pico.pads.listen(config["clock"], self._on_clock)
-        pico.pads.listen(config["latch"], self._on_latch)
+        pico.pads.add_listener(config["clock"], self._on_clock)
+        pico.pads.add_listener(config["latch"], self._on_latch)
 
     def set_input(self, bit, level):
         """Set an input of the 74HC165 chain to 0 or 1."""
         self._inputs[bit] = level
         if self._latch == 0:
-            self._load()
+            self._load_inputs()
 
-    def input(self, bit):
+    def input_level(self, bit):
         """The level of an input of the 74HC165 chain."""
         return self._inputs[bit]
 
-    def _load(self):
+    def _load_inputs(self):
         """H, the input of bit 7, is the first to come."""
         self._loaded = [self._inputs[at & ~7 | 7 - at & 7] for at in range(len(self._inputs))]
-        self._show()
+        self._show_first()
 
-    def _show(self):
+    def _show_first(self):
         if self._loaded:
-            self._pico.drive(self._in, self._loaded[0])
+            self._pico.drive_pin(self._in, self._loaded[0])
 
     def _on_clock(self, _, state):
         rising = state == 1 and self._clock == 0
@@ -47,17 +47,17 @@ class Chains:
         if not rising:
             return
         if self._shifted:
-            ser = 1 if self._pico.pads.state(self._out) == 1 else 0
+            ser = 1 if self._pico.pads.state_of(self._out) == 1 else 0
             self._shifted = [ser, *self._shifted[:-1]]
         if self._latch == 1:
             self._loaded = [*self._loaded[1:], 0] if self._loaded else []
-            self._show()
+            self._show_first()
 
     def _on_latch(self, _, state):
         rising = state == 1 and self._latch == 0
         self._latch = state
         if state == 0:
-            self._load()
+            self._load_inputs()
         if rising:
             self.transfers += 1
             for bit, level in enumerate(self._shifted):

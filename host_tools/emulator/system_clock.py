@@ -3,7 +3,7 @@
 rp2040py has no PLL, frequency counter or regulator: it and its UARTs always run at 125 MHz, so baud rates are wrong, because
 MicroPython runs them from the USB PLL.
 
-    system = of(chip)
+    system = clock_of(chip)
     system.hz, system.cycle_ns
     system.cycle(), system.nanos_at(cycle)      # system clocks since power-on, whatever the clock was meanwhile
 
@@ -98,12 +98,12 @@ class SystemClock:
 
     def install(self):
         chip = self._chip
-        self._pll = chip.peripherals[_SYS_PLL] = Pll(self._look)
-        self._usb_pll = chip.peripherals[_USB_PLL] = Pll(self._look)
-        self._clocks_registers()
-        self._regulator()
+        self._pll = chip.peripherals[_SYS_PLL] = Pll(self._follow_registers)
+        self._usb_pll = chip.peripherals[_USB_PLL] = Pll(self._follow_registers)
+        self._patch_clocks()
+        self._patch_regulator()
 
-    def _clocks_registers(self):
+    def _patch_clocks(self):
         chip, clocks = self._chip, self._chip.clocks
         read, write, reset = clocks.read_uint32, clocks.write_uint32, clocks.reset
         counter = {_REFERENCE: 0, _INTERVAL: 8}
@@ -118,7 +118,7 @@ class SystemClock:
             else:
                 write(offset, value)
             if offset in (_SYS_CONTROL, _SYS_DIVIDER, _PERIPHERAL_CONTROL):
-                self._look()
+                self._follow_registers()
 
         def read_uint32(offset):
             if offset not in (_STATUS, _RESULT):
@@ -134,11 +134,11 @@ class SystemClock:
                 chip.peripherals[base].reset()
             chip.vreg_and_chip_reset.vreg = 0xB1
             self._counted = None
-            self._change(PARSE_HZ)
+            self._change_clock(PARSE_HZ)
 
         clocks.read_uint32, clocks.write_uint32, clocks.reset = read_uint32, write_uint32, restart
 
-    def _regulator(self):
+    def _patch_regulator(self):
         regulator, clock = self._chip.vreg_and_chip_reset, self._clock
         read, write = regulator.read_uint32, regulator.write_uint32
 
@@ -152,21 +152,21 @@ class SystemClock:
                     self._steady_ns = clock.nanos + _SETTLE_NS
                 value &= ~_IN_REGULATION
             write(offset, value)
-            self._check(True)
+            self._check_voltage(True)
 
         regulator.read_uint32, regulator.write_uint32 = read_uint32, write_uint32
 
-    def _look(self):
+    def _follow_registers(self):
         """Something that makes clk_sys or clk_peri has been written."""
         clocks = self._chip.clocks
         takes_pll = clocks.sys_ctrl & 1 and not clocks.sys_ctrl >> 5 & 7
         hz = self._pll.hz * 256 // (clocks.sys_div or 1 << 24)
         if takes_pll and hz:
-            self._change(hz)
+            self._change_clock(hz)
         chosen = clocks.peri_ctrl >> 5 & 7
         self._chip.clk_peri = (self.hz, self._pll.hz, self._usb_pll.hz)[chosen] if chosen < 3 else _CRYSTAL_HZ
 
-    def _change(self, hz):
+    def _change_clock(self, hz):
         if hz == self.hz:
             return
         for told in self.before:
@@ -180,15 +180,15 @@ class SystemClock:
         chip.ppb.systick_timer.frequency = hz
         for told in self.after:
             told()
-        self._check(self._clock.nanos >= self._steady_ns)
+        self._check_voltage(self._clock.nanos >= self._steady_ns)
 
-    def _check(self, settled):
+    def _check_voltage(self, settled):
         vsel = self._chip.vreg_and_chip_reset.vreg >> 4 & 15
         if self.hz > _UNRAISED_HZ and not (vsel >= _RAISED and settled):
             self.fault = Undervolted(f"{self.hz / 1e6:g} MHz with the regulator at {vsel}, or before it has settled")
 
 
-def of(chip):
+def clock_of(chip):
     """The one of a chip: at 125 MHz for ever, unless install() is called."""
     found = vars(chip).get("system_clock")
     if found is None:

@@ -25,7 +25,7 @@ class WiredDrivers:
         self.wire.feed(data, self._baud)
         for reply in self.model.replies_to(data):
             wait_ns = (CLOCKS + BITS_A_BYTE) * 1_000_000_000 // self._baud
-            self._pico.at(self._pico.cycle + wait_ns // cycles.CYCLE_NS, lambda reply=reply: self.wire.feed(reply, self._baud))
+            self._pico.call_at(self._pico.cycle + wait_ns // cycles.CYCLE_NS, lambda reply=reply: self.wire.feed(reply, self._baud))
 
 
 class WiredSpiDrivers:
@@ -37,24 +37,24 @@ class WiredSpiDrivers:
         self.model = SpiDrivers(config)
         self._cs = None  # that is low
         for cs in self.model.chains:
-            pico.pads.listen(cs, lambda _, state, cs=cs: self._select(cs, state))
-        pico.pads.listen(config["sck"], lambda _, state: self._clock(state))
+            pico.pads.add_listener(cs, lambda _, state, cs=cs: self._on_select(cs, state))
+        pico.pads.add_listener(config["sck"], lambda _, state: self._on_clock(state))
 
-    def _select(self, cs, state):
+    def _on_select(self, cs, state):
         if state == 1 and self._cs == cs:
             self._cs = None
             self.model.set_cs(cs, 1)
-            self._pads.drive(self._config["rx"], None)
+            self._pads.drive_pin(self._config["rx"], None)
         elif state == 0 and self._cs is None:
             self._cs = cs
             self.model.set_cs(cs, 0)
-            self._show()
+            self._show_output()
 
-    def _clock(self, state):
+    def _on_clock(self, state):
         if self._cs is not None and state == 1:
-            self.model.clock_bit(self._cs, self._pads.state(self._config["tx"]) & 1)
+            self.model.clock_bit(self._cs, self._pads.state_of(self._config["tx"]) & 1)
         elif self._cs is not None:
-            self._show()  # it changes as the clock falls
+            self._show_output()  # it changes as the clock falls
 
-    def _show(self):
-        self._pads.drive(self._config["rx"], self.model.output_level(self._cs))
+    def _show_output(self):
+        self._pads.drive_pin(self._config["rx"], self.model.output_level(self._cs))

@@ -33,9 +33,9 @@ class Pl011(RPUART):
         self._shift_alarm = clock.create_alarm(self._end_shift)
         self._timeout_alarm = clock.create_alarm(self._time_out)
         self._ready = True
-        self._clear()
+        self._clear_state()
 
-    def _clear(self):
+    def _clear_state(self):
         self._to_send, self._received, self._shifting = deque(), deque(), None
         self._raised, self._levels, self._dma, self._errors = 0, 0x12, 0, 0
         self._overrun = False
@@ -45,7 +45,7 @@ class Pl011(RPUART):
         if self._ready:  # the chip resets its blocks while it is being built
             self._shift_alarm.cancel()
             self._timeout_alarm.cancel()
-            self._clear()
+            self._clear_state()
             self.check_interrupts()
 
     @property
@@ -131,7 +131,7 @@ class Pl011(RPUART):
         self.check_interrupts()
         return value
 
-    def _flags(self):
+    def _flag_register(self):
         sending, received, depth = len(self._to_send), len(self._received), self._depth
         return (
             (0x80 if not sending else 0)
@@ -145,7 +145,7 @@ class Pl011(RPUART):
         if offset == _DATA:
             return self._read_data()
         if offset == _FLAGS:
-            return self._flags()
+            return self._flag_register()
         if offset == _STATUS:
             return self._errors
         if offset == _LEVELS:

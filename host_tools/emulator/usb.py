@@ -24,37 +24,37 @@ class UsbPort:
         self._quiet = quiet
         self._armed = None  # bytes that the waiting OUT buffer has room for
         self._stock_read, self._stock_reset = self._usb.on_endpoint_read, self._usb.on_reset
-        self._usb.on_endpoint_read = self._read
-        self._usb.on_reset = self._reset
+        self._usb.on_endpoint_read = self._on_read
+        self._usb.on_reset = self._on_reset
         cdc.on_serial_data = lambda data: self.heard(bytes(data))
         cdc.on_device_connected = self._on_connect
 
     def write(self, data):
         self._to_send += data
-        self._serve()
+        self._serve_buffer()
 
     @property
     def unsent(self):
         """Bytes that the chip has not yet taken."""
         return len(self._to_send)
 
-    def _serve(self):
+    def _serve_buffer(self):
         if self._armed is None or not self._to_send:
             return
         size, self._armed = self._armed, None
         data, self._to_send = self._to_send[:size], self._to_send[size:]
         self._usb.endpoint_read_done(self._cdc._out_endpoint, bytes(data), PACKET_US)
 
-    def _read(self, endpoint, size):
+    def _on_read(self, endpoint, size):
         if endpoint != self._cdc._out_endpoint:
             self._stock_read(endpoint, size)
         elif self._to_send or self._quiet:
             self._armed = size
-            self._serve()
+            self._serve_buffer()
         else:
             self._usb.endpoint_read_done(endpoint, b"")
 
-    def _reset(self):
+    def _on_reset(self):
         self._armed = None
         self._to_send.clear()
         self.up = False

@@ -17,15 +17,15 @@ BITS_A_BYTE = 10
 
 class Wire:
     def __init__(self, pico, uart):
-        self.sent = bytearray()  # by the Pico, not yet drained
-        self.stamps = []  # cycles at which the bytes of `sent` were out
+        self.output = bytearray()  # by the Pico, not yet drained
+        self.stamps = []  # cycles at which the bytes of `output` were out
         self.count = 0  # bytes sent in all
         self.listeners = []  # each called with a byte that is out
         self._pico = pico
         self._uart = uart
         self._coming = deque()  # (cycle, byte)
         self._free_at = 0  # cycle at which the last byte fed is over
-        uart.on_byte = self._out
+        uart.on_byte = self._note_byte
 
     @property
     def overruns(self):
@@ -46,28 +46,28 @@ class Wire:
             self._coming.append((start + number * character // baud, value))
         self._free_at = start + len(data) * character // baud
         if idle and self._coming:
-            self._plan()
+            self._plan_arrival()
         return self._free_at
 
     def drain(self):
         """Bytes that the Pico has sent since the last call."""
-        data = bytes(self.sent)
-        self.sent.clear()
+        data = bytes(self.output)
+        self.output.clear()
         self.stamps.clear()
         return data
 
-    def _plan(self):
-        self._pico.at(self._coming[0][0], self._arrive)
+    def _plan_arrival(self):
+        self._pico.call_at(self._coming[0][0], self._deliver_byte)
 
-    def _arrive(self):
+    def _deliver_byte(self):
         _, value = self._coming.popleft()
         self._uart.feed_byte(value)
         if self._coming:
-            self._plan()
+            self._plan_arrival()
 
-    def _out(self, value):
-        self.sent.append(value)
-        self.stamps.append(cycles.now(self._pico.chip.clock))
+    def _note_byte(self, value):
+        self.output.append(value)
+        self.stamps.append(cycles.now_cycles(self._pico.chip.clock))
         self.count += 1
         for heard in self.listeners:
             heard(value)
@@ -81,12 +81,12 @@ class UsbWire:
         self._drained = 0
 
     @property
-    def sent(self):
+    def output(self):
         return self._pico.console.text
 
     @property
     def count(self):
-        return self._drained + len(self.sent)
+        return self._drained + len(self.output)
 
     @property
     def pending(self):
@@ -96,6 +96,6 @@ class UsbWire:
         self._pico.usb.write(data)
 
     def drain(self):
-        said = self._pico.console.take()
+        said = self._pico.console.take_output()
         self._drained += len(said)
         return said

@@ -29,20 +29,20 @@ class Wiring:
         self._levels = self._seen = self._rest
         self._since = None  # tick of the first edge that the world does not know
         self.edge_count = 0
-        self._flush_alarm = self._clock.create_alarm(self._flush)
-        self._event_alarm = self._clock.create_alarm(self._event)
+        self._flush_alarm = self._clock.create_alarm(self._flush_edges)
+        self._event_alarm = self._clock.create_alarm(self._on_event)
         self._inputs = {item["name"]: item["pin"] for item in board["inputs"]}
         self._outputs = {item["pin"]: (item["name"], 1 - item["active"]) for item in board["outputs"]}
         world.attach(self.tick, layout.pin_names, self._rest)
         self._bits = {gpio: 1 << bit for bit, gpio in enumerate(word_pins(board))}
         for gpio in self._bits:
-            pico.pads.listen(gpio, self._on_pin)
+            pico.pads.add_listener(gpio, self._on_pin)
         for gpio in self._outputs:
             if gpio < REGISTER_BIT:
-                pico.pads.listen(gpio, self._on_output)
+                pico.pads.add_listener(gpio, self._on_output)
         if board.get("servo"):
             self._servo_us = self._rose = None
-            pico.pads.listen(board["servo"]["pin"], self._on_servo)
+            pico.pads.add_listener(board["servo"]["pin"], self._on_servo)
         self.chains = None
         if board.get("registers"):
             self.chains = Chains(pico, board["registers"], lambda bit, level: self._on_output(REGISTER_BIT + bit, level))
@@ -50,7 +50,7 @@ class Wiring:
         self._inner = plant.pins  # told of changes before
         plant.pins = self
         for name, gpio in self._inputs.items():
-            self._drive(gpio, world.input(self.tick, name))
+            self._drive_input(gpio, world.input(self.tick, name))
         self._encoders = [
             (plant.encoders[item["motor"]], Quadrature(pico, item["pins"][0], ENCODER_COUNTS_S)) for item in board.get("encoders", ())
         ]
@@ -58,29 +58,29 @@ class Wiring:
     @property
     def tick(self):
         """Ticks of 80 ns since power-on."""
-        return cycles.now(self._clock) // cycles.CYCLES_PER_TICK
+        return cycles.now_cycles(self._clock) // cycles.CYCLES_PER_TICK
 
     def unplug(self):
         """Release every pin, as without power."""
         self._levels = self._rest
-        self._flush()
+        self._flush_edges()
 
     def note_input(self, tick, name, level):
         """The plant says that an input has changed."""
         if self._inner is not None:
             self._inner.note_input(tick, name, level)
-        self._drive(self._inputs[name], level)
+        self._drive_input(self._inputs[name], level)
 
-    def _drive(self, gpio, level):
+    def _drive_input(self, gpio, level):
         """Set an input's pin, or its bit of a register and the pins that diodes connect to it."""
         if gpio >= REGISTER_BIT:
             self.chains.set_input(gpio - REGISTER_BIT, level)
             for pin, names in self._edges:  # diodes
                 bits = [self._inputs[name] - REGISTER_BIT for name in names]
                 if gpio - REGISTER_BIT in bits:
-                    self._pico.drive(pin, max(self.chains.input(bit) for bit in bits))
+                    self._pico.drive_pin(pin, max(self.chains.input_level(bit) for bit in bits))
         else:
-            self._pico.drive(gpio, level)
+            self._pico.drive_pin(gpio, level)
 
     def _on_pin(self, gpio, state):
         bit = self._bits[gpio]
@@ -92,23 +92,23 @@ class Wiring:
                 self._flush_alarm.schedule(SETTLE_CYCLES * cycles.CYCLE_NS)
             self._levels = levels
 
-    def _flush(self):
+    def _flush_edges(self):
         tick, self._since = self._since, None
         changed = self._levels ^ self._seen
         if changed:
             self._seen = self._levels
             self.edge_count += 1
             self._world.edges(self.tick if tick is None else tick, self._levels, changed)
-            self.turn()
-            self._plan()
+            self.turn_encoders()
+            self._plan_event()
 
-    def turn(self):
+    def turn_encoders(self):
         """The encoders' wires follow the plant's motors, which jump by whole steps."""
         for encoder, wires in self._encoders:
-            wires.turn(encoder.count - wires.count - wires.left)
+            wires.turn_by(encoder.count - wires.count - wires.left)
 
     def _on_output(self, gpio, state):
-        self._flush()
+        self._flush_edges()
         if gpio not in self._outputs:
             return  # a bit of a register that nothing is wired to
         name, inactive = self._outputs[gpio]
@@ -117,21 +117,21 @@ class Wiring:
     def _on_servo(self, _, state):
         """Tell the world the length of a pulse, if it is another one."""
         if state == 1:
-            self._rose = cycles.now(self._clock)
+            self._rose = cycles.now_cycles(self._clock)
         elif self._rose is not None:
-            us = round((cycles.now(self._clock) - self._rose) / cycles.CYCLES_PER_US)
+            us = round((cycles.now_cycles(self._clock) - self._rose) / cycles.CYCLES_PER_US)
             self._rose = None
             if us != self._servo_us:
-                self._flush()
+                self._flush_edges()
                 self._servo_us = us
                 self._world.servo(self.tick, us)
 
-    def _event(self):
-        self._flush()
+    def _on_event(self):
+        self._flush_edges()
         self._world.run(self.tick)
-        self._plan()
+        self._plan_event()
 
-    def _plan(self):
+    def _plan_event(self):
         due = self._world.next_event()
         if due is None:
             self._event_alarm.cancel()

@@ -11,7 +11,7 @@ safe first. Raises Failure with the remedy if there is no UF2, no emulator or no
 
 from host_tools.failure import Failure
 from host_tools.language import N_, _
-from host_tools.prove.row import text
+from host_tools.prove.row import program_text as program_of_prove
 
 VIRTUAL, EMULATED, BOARD = "virtual", "emulated", "board"
 TITLES = {VIRTUAL: N_("virtual machine"), EMULATED: N_("emulated Pico"), BOARD: N_("board on {}")}
@@ -65,7 +65,7 @@ class Emulated(Virtual):
         from host_tools.emulator.machine import EmulatedMachine
 
         machine = EmulatedMachine(board, **options).boot()
-        machine.run_until(machine.listening, 12_000)
+        machine.run_until(machine.is_listening, 12_000)
         return machine
 
     def start_chip(self, board):
@@ -122,7 +122,7 @@ class OnPort:
 
 def start(board):
     """The interpreter anew, outputs safe, motors off. Raises Failure if there is no Passo on the board."""
-    board.fresh()
+    board.restart_interpreter()
     try:
         board.exec(SAFE)
     except Failure as failure:
@@ -135,4 +135,4 @@ def program_text(name):
     from pathlib import Path
 
     own = Path(__file__).parent / name
-    return own.read_text(encoding="utf-8") if own.is_file() else text(name)
+    return own.read_text(encoding="utf-8") if own.is_file() else program_of_prove(name)

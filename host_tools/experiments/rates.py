@@ -24,9 +24,9 @@ def measure_clean_rates(place):
     if place.kind == BOARD:
         return measure_on_board(place), {}
     from host_tools.emulator.copies import on_a_copy
-    from host_tools.emulator.rig import Rig, router
+    from host_tools.emulator.rig import Rig, router_board
 
-    pio, timer = Rig(router(AXES)), Rig(router(AXES, player="timer"))
+    pio, timer = Rig(router_board(AXES)), Rig(router_board(AXES, player="timer"))
     return (
         {khz: on_a_copy(lambda: _pio_is_clean(pio, khz)) for khz in PIO_KHZ},
         {khz: on_a_copy(lambda: _timer_is_clean(timer, khz)) for khz in TIMER_KHZ},

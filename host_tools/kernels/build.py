@@ -11,7 +11,7 @@ from collections import namedtuple
 from pathlib import Path
 
 from host_tools.kernels.inline import drop_imports
-from host_tools.kernels.module import module
+from host_tools.kernels.module import make_module
 from host_tools.kernels.program import Program
 from host_tools.kernels.unit import Unit
 
@@ -36,24 +36,24 @@ _IMPORT = re.compile(r"^( *)from (passo[.\w]+) import (\w+(?:, \w+)*)$", re.MULT
 Compiled = namedtuple("Compiled", "texts modules by pointers")
 
 
-def accelerates(board):
+def has_acceleration(board):
     """Whether the planner is loaded with the feeder: all that a board file changes in its kernels."""
     return any("accel_mm_s2" in axis for axis in board.get("axes", ()))
 
 
-def groups(program, board, left=(), keep=False, frozen=False):
+def group_kernels(program, board, left=(), keep=False, frozen=False):
     """Return [(name of a module, its kernels)]. `keep`: include kernels that only other kernels call. `frozen`: group them as the UF2 does,
     where code that runs seldom stays in flash (STAYING)."""
-    plan, planned = program.modules_loaded_with(PLAN), accelerates(board)
+    plan, planned = program.modules_loaded_with(PLAN), has_acceleration(board)
 
-    def group(kernel):
+    def group_of(kernel):
         module = kernel.module
         if frozen and module in LASER:
             return STAYING[1]
-        name = together(module)
+        name = module_name(module)
         return STAYING[0] if frozen and name == "steps" and kernel.full not in HOT else name
 
-    def together(module):
+    def module_name(module):
         if module in STEPS or planned and (module in plan or module.startswith(LINES)):
             return "steps"
         return "plan" if module in plan or module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
@@ -62,18 +62,18 @@ def groups(program, board, left=(), keep=False, frozen=False):
     found = {}
     for kernel in program.kernels.values():
         if kernel.path not in left and (keep or uses[kernel.full][1]):
-            found.setdefault(group(kernel), []).append(kernel)
+            found.setdefault(group_of(kernel), []).append(kernel)
     return sorted(found.items())
 
 
 def compile_kernels(numbered, texts, board, march, left=(), keep=False, frozen=False):
     """`numbered`: the same texts with numbers for constants, and all other names as they are; `left`: paths of modules that are left
-    to viper; `keep`: every kernel can still be called from Python, for tests call each; `frozen`: as in groups()."""
+    to viper; `keep`: every kernel can still be called from Python, for tests call each; `frozen`: as in group_kernels()."""
     program = Program(numbered)
     modules, imports, by, inside, pointers = {}, {}, [], set(), 0
-    for name, kernels in groups(program, board, left, keep, frozen):
+    for name, kernels in group_kernels(program, board, left, keep, frozen):
         unit = Unit(program, kernels, name in STAYING)
-        made = module(unit.text(RUNTIME), unit.names, march)
+        made = make_module(unit.text(RUNTIME), unit.names, march)
         if made is None:
             continue
         modules[f"passo/kernels_{name}.mpy"] = made.data
@@ -82,21 +82,21 @@ def compile_kernels(numbered, texts, board, march, left=(), keep=False, frozen=F
         inside |= unit.functions.keys()
         for kernel in kernels:
             imports[kernel.full] = f"from passo.kernels_{name} import {unit.python_name(kernel)} as {kernel.name}\n"
-    gone = set() if keep else inside - imports.keys() - _staying(program, inside | imports.keys(), imports)
-    made = {path: _thin(program, path, text, imports, gone) for path, text in texts.items()}
+    gone = set() if keep else inside - imports.keys() - _python_still_used(program, inside | imports.keys(), imports)
+    made = {path: _thin_text(program, path, text, imports, gone) for path, text in texts.items()}
     if frozen:
-        made = {path: _IMPORT.sub(lambda found: _straight(imports, *found.groups()) or found[0], text) for path, text in made.items()}
+        made = {path: _IMPORT.sub(lambda found: _kernel_import(imports, *found.groups()) or found[0], text) for path, text in made.items()}
     return Compiled(made, modules, by, pointers)
 
 
-def _straight(imports, indent, module, names):
+def _kernel_import(imports, indent, module, names):
     """Return an import line that fetches kernels from their compiled module, so that the module which defined them is not loaded; None if it
     also imports anything but kernels."""
     lines = [imports.get(f"{module}.{name}") for name in names.split(", ")]
     return indent + "; ".join(line.strip() for line in lines) if all(lines) else None
 
 
-def _staying(program, compiled, imports):
+def _python_still_used(program, compiled, imports):
     """Full names of the kernels whose Python has to stay in the texts, for viper to compile: those that are not in C; those that are in C
     only as another kernel's copy, if Python calls them; and what these call."""
     uses = program.uses
@@ -105,7 +105,7 @@ def _staying(program, compiled, imports):
         kernel = new.pop()
         if kernel.full not in found:
             found.add(kernel.full)
-            new += [called for called in program.calls(kernel) if called.full not in imports]
+            new += [called for called in program.kernels_called(kernel) if called.full not in imports]
     return found
 
 
@@ -114,11 +114,11 @@ def c_of(program, groups, name):
     units = [Unit(program, kernels) for _, kernels in groups]
     for unit in units:
         unit.text("")
-    found = {full: function.text() for unit in units for full, function in unit.functions.items() if f".{full}".endswith(f".{name}")}
+    found = {full: function.function_text() for unit in units for full, function in unit.functions.items() if f".{full}".endswith(f".{name}")}
     return "".join(found.values()).rstrip()
 
 
-def _thin(program, path, text, imports, gone):
+def _thin_text(program, path, text, imports, gone):
     """The text with imports where kernels were; all other lines keep their numbers."""
     module = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
     if module not in program.imported:

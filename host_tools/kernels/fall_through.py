@@ -5,7 +5,7 @@ import ast
 from host_tools.kernels.program import BOOL, INT, LOOPS, OBJECT, statements_of
 
 
-def returns(nodes):
+def has_return(nodes):
     """Whether any of the statements, or a statement inside them, returns."""
     return any(isinstance(each, ast.Return) for each in statements_of(nodes))
 
@@ -15,16 +15,16 @@ def always_returns(nodes):
     return isinstance(last, ast.Return) or isinstance(last, ast.If) and always_returns(last.body) and always_returns(last.orelse)
 
 
-def name(of, store=False):
+def name_node(of, store=False):
     return ast.Name(of, ast.Store() if store else ast.Load())
 
 
-def assign(target, value):
-    return ast.Assign([name(target, True)], value, lineno=1)
+def assign_node(target, value):
+    return ast.Assign([name_node(target, True)], value, lineno=1)
 
 
-def cast(kind, node):
-    return ast.Call(name(kind), [node], [])
+def cast_node(kind, node):
+    return ast.Call(name_node(kind), [node], [])
 
 
 class FallThrough:
@@ -33,10 +33,10 @@ class FallThrough:
     def __init__(self, caller, result):
         self.caller, self.result = caller, result
 
-    def flatten(self, nodes):
-        return self._flatten(nodes)[0]
+    def flatten_returns(self, nodes):
+        return self._flatten_nodes(nodes)[0]
 
-    def _flatten(self, nodes, flag=None):
+    def _flatten_nodes(self, nodes, flag=None):
         """Statements that go on behind their end where they returned: (statements, flag), the flag being 1 after a return in a
         loop, or in an if of which neither way always returns."""
         out = []
@@ -44,14 +44,14 @@ class FallThrough:
             rest = nodes[number + 1 :]
             if isinstance(node, ast.Return):
                 if self.result and node.value is not None:
-                    known = self.caller.kind(node.value)
-                    out.append(assign(self.result, cast(INT, node.value) if known in (BOOL, OBJECT) else node.value))
+                    known = self.caller.kind_of(node.value)
+                    out.append(assign_node(self.result, cast_node(INT, node.value) if known in (BOOL, OBJECT) else node.value))
                 elif node.value is not None and not isinstance(node.value, (ast.Name, ast.Constant)):
                     out.append(ast.Expr(node.value))
                 if flag:
-                    out.append(assign(flag, ast.Constant(1)))
+                    out.append(assign_node(flag, ast.Constant(1)))
                 return out, flag
-            if not isinstance(node, (ast.If, *LOOPS)) or not returns([node]):
+            if not isinstance(node, (ast.If, *LOOPS)) or not has_return([node]):
                 out.append(node)
                 continue
             if isinstance(node, ast.If) and flag is None and (always_returns(node.body) or always_returns(node.orelse) or not rest):
@@ -60,20 +60,20 @@ class FallThrough:
                     orelse = orelse + rest
                 elif always_returns(orelse):
                     body = body + rest
-                body, orelse = self._flatten(body)[0], self._flatten(orelse)[0]
+                body, orelse = self._flatten_nodes(body)[0], self._flatten_nodes(orelse)[0]
                 out.append(ast.If(node.test, body or [ast.Pass()], orelse))
                 return out, flag
-            mark = flag or self.caller.local(INT)
+            mark = flag or self.caller.new_local(INT)
             if flag is None:
-                out.append(assign(mark, ast.Constant(0)))
+                out.append(assign_node(mark, ast.Constant(0)))
             if isinstance(node, ast.If):
-                node.body = self._flatten(node.body, mark)[0] or [ast.Pass()]
-                node.orelse = self._flatten(node.orelse, mark)[0]
+                node.body = self._flatten_nodes(node.body, mark)[0] or [ast.Pass()]
+                node.orelse = self._flatten_nodes(node.orelse, mark)[0]
             else:
                 node.body = self._in_loop(node.body, mark)
             out.append(node)
             if rest:
-                out.append(ast.If(ast.UnaryOp(ast.Not(), name(mark)), self._flatten(rest, mark)[0], []))
+                out.append(ast.If(ast.UnaryOp(ast.Not(), name_node(mark)), self._flatten_nodes(rest, mark)[0], []))
             return out, mark
         return out, flag
 
@@ -82,13 +82,13 @@ class FallThrough:
         out = []
         for number, node in enumerate(nodes):
             if isinstance(node, ast.Return):
-                return out + self._flatten([node], mark)[0] + [ast.Break()]
-            if isinstance(node, ast.If) and returns([node]):
+                return out + self._flatten_nodes([node], mark)[0] + [ast.Break()]
+            if isinstance(node, ast.If) and has_return([node]):
                 node.body = self._in_loop(node.body, mark)
                 node.orelse = self._in_loop(node.orelse, mark)
-            elif isinstance(node, LOOPS) and returns([node]):
+            elif isinstance(node, LOOPS) and has_return([node]):
                 node.body = self._in_loop(node.body, mark)
-                out += [node, ast.If(name(mark), [ast.Break()], [])]
+                out += [node, ast.If(name_node(mark), [ast.Break()], [])]
                 continue
             out.append(node)
         return out

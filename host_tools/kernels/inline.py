@@ -16,7 +16,7 @@ import ast
 import builtins
 import copy
 
-from host_tools.kernels.fall_through import FallThrough, assign, cast, name, returns
+from host_tools.kernels.fall_through import FallThrough, assign_node, cast_node, name_node, has_return
 from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, statements_of, tree_of
 
 SMALL = 1 << 30
@@ -30,18 +30,18 @@ def inline_kernels(texts, keep=False):
     chosen = _kernels_to_inline(program)
     made, under_way = {}, []
 
-    def make(kernel):
+    def inline_calls(kernel):
         """The kernel's node with all that it calls in it."""
         if kernel.full in under_way:
             kernel.refuse(kernel.node, "kernels that call each other in a circle")
         if kernel.full not in made:
             under_way.append(kernel.full)
-            made[kernel.full] = Inliner(program, kernel, chosen, make).node()
+            made[kernel.full] = Inliner(program, kernel, chosen, inline_calls).inline_node()
             under_way.pop()
         return made[kernel.full]
 
     for kernel in program.kernels.values():
-        make(kernel)
+        inline_calls(kernel)
     out = dict(texts)
     for module in program.imported:
         path = program.paths[module]
@@ -55,13 +55,13 @@ def _kernels_to_inline(program):
     """{full name: whether only kernels call it} of the kernels that go in."""
     uses, weights, found = program.uses, {}, {}  # weights: statements, with those of the kernels that go in
 
-    def weigh(kernel):
-        full, called = kernel.full, program.calls(kernel)
+    def weigh_kernel(kernel):
+        full, called = kernel.full, program.kernels_called(kernel)
         if full in weights:
             return
         size = weights[full] = sum(1 for _ in statements_of(kernel.node.body))
         for each in called:
-            weigh(each)
+            weigh_kernel(each)
         weights[full] += sum(weights[each.full] for each in called if each.full in found)
         calls, others = uses[full]
         little = size <= FEW or calls == 1 and size <= ONCE or not others and (calls - 1) * size <= COPIES
@@ -69,7 +69,7 @@ def _kernels_to_inline(program):
             found[full] = others == 0
 
     for kernel in program.kernels.values():
-        weigh(kernel)
+        weigh_kernel(kernel)
     return found
 
 
@@ -126,7 +126,7 @@ class AsInt(ast.NodeTransformer):
             self.generic_visit(node.args[0])
             return node
         self.generic_visit(node)
-        return cast(INT, node) if self.wanted(node) else node
+        return cast_node(INT, node) if self.wanted(node) else node
 
 
 class Renamed(ast.NodeTransformer):
@@ -139,7 +139,7 @@ class Renamed(ast.NodeTransformer):
         new = self.names.get(node.id)
         if new is None:
             return node
-        return name(new.id, isinstance(node.ctx, ast.Store)) if isinstance(new, ast.Name) else copy.deepcopy(new)
+        return name_node(new.id, isinstance(node.ctx, ast.Store)) if isinstance(new, ast.Name) else copy.deepcopy(new)
 
 
 class Inliner:
@@ -151,130 +151,130 @@ class Inliner:
         self.used = {}  # {kind: locals of it in use}: they serve one call after the other
         self.wants = set()
 
-    def node(self):
+    def inline_node(self):
         bare = {id(each) for each in ast.walk(self.kernel.node) if self._stays_a_call(each)}
         bare -= {id(each.args[0]) for each in ast.walk(self.kernel.node) if is_int(each)}
         bare -= {id(each.value) for each in ast.walk(self.kernel.node) if isinstance(each, ast.Expr)}
-        if not bare and not self.calls(self.kernel.node):
+        if not bare and not self.has_calls(self.kernel.node):
             return self.kernel.node
         node = copy.deepcopy(self.kernel.node)
-        node.body = [AsInt(self._stays_a_call).visit(each) for each in self.statements(node.body)]
+        node.body = [AsInt(self._stays_a_call).visit(each) for each in self.inline_statements(node.body)]
         node.wants = self.wants
         return ast.fix_missing_locations(node)
 
-    def _callee(self, node):
+    def _callee_of(self, node):
         called = self.program.kernel_of_call(self.kernel, node, False)
         return called if called and called.full in self.chosen else None
 
     def _stays_a_call(self, node):
         """Whether a node is a call that is not inlined and returns a number: viper takes its result for an object."""
         called = self.program.kernel_of_call(self.kernel, node)
-        return called and called.returns and not self._callee(node)
+        return called and called.returns and not self._callee_of(node)
 
-    def calls(self, node):
-        return node is not None and any(self._callee(each) for each in ast.walk(node))
+    def has_calls(self, node):
+        return node is not None and any(self._callee_of(each) for each in ast.walk(node))
 
-    def kind(self, node):
+    def kind_of(self, node):
         return self.kernel.kind_of(node, self.kinds)
 
-    def local(self, kind):
+    def new_local(self, kind):
         number = self.used[kind] = self.used.get(kind, 0) + 1
         made = f"_{kind}_{number}"
         self.kinds[made] = kind
         return made
 
-    def store(self, node, out):
+    def store_value(self, node, out):
         """The value in a local of its own."""
-        kind = self.kind(node)
-        made = self.local(kind)
-        out.append(assign(made, node))
-        return name(made)
+        kind = self.kind_of(node)
+        made = self.new_local(kind)
+        out.append(assign_node(made, node))
+        return name_node(made)
 
     # --- statements
 
-    def statements(self, nodes):
+    def inline_statements(self, nodes):
         out = []
         for node in nodes:
             before = dict(self.used)
-            out += self.statement(node)
+            out += self.inline_statement(node)
             self.used = before
         return out
 
-    def statement(self, node):
+    def inline_statement(self, node):
         if isinstance(node, LOOPS) and node.orelse:
             self.kernel.refuse(node, "a loop's else; use a variable")
         out = []
         if isinstance(node, ast.While):
-            test = self.expression(node.test, out)
+            test = self.inline_expression(node.test, out)
             if out:
                 out.append(ast.If(ast.UnaryOp(ast.Not(), test), [ast.Break()], []))
-                return [ast.While(ast.Constant(1), out + self.statements(node.body), [])]
-            return [ast.While(test, self.statements(node.body), [])]
+                return [ast.While(ast.Constant(1), out + self.inline_statements(node.body), [])]
+            return [ast.While(test, self.inline_statements(node.body), [])]
         if isinstance(node, ast.If):
-            test = self.expression(node.test, out)
-            return [*out, ast.If(test, self.statements(node.body), self.statements(node.orelse))]
+            test = self.inline_expression(node.test, out)
+            return [*out, ast.If(test, self.inline_statements(node.body), self.inline_statements(node.orelse))]
         if isinstance(node, ast.For):
-            limits = self.expression(node.iter, out)
-            return [*out, ast.For(node.target, limits, self.statements(node.body), [], lineno=1)]
-        if isinstance(node, ast.AugAssign) and self.calls(node):
+            limits = self.inline_expression(node.iter, out)
+            return [*out, ast.For(node.target, limits, self.inline_statements(node.body), [], lineno=1)]
+        if isinstance(node, ast.AugAssign) and self.has_calls(node):
             read = copy.deepcopy(node.target)
             read.ctx = ast.Load()
-            if self.calls(read):
+            if self.has_calls(read):
                 self.kernel.refuse(node, "a call in an index that is read and written; use a variable for the index")
             node = ast.Assign([node.target], ast.BinOp(read, node.op, node.value), lineno=node.lineno)
         if isinstance(node, ast.Assign):
-            return self.assignment(node, out)
-        if isinstance(node, ast.Expr) and self._callee(node.value):
-            self.expand(node.value, out, None)
+            return self.inline_assignment(node, out)
+        if isinstance(node, ast.Expr) and self._callee_of(node.value):
+            self.expand_call(node.value, out, None)
             return out or [ast.Pass()]
         if isinstance(node, (ast.Expr, ast.Return)) and node.value is not None:
-            node.value = self.expression(node.value, out)
+            node.value = self.inline_expression(node.value, out)
         return [*out, node]
 
-    def assignment(self, node, out):
+    def inline_assignment(self, node, out):
         target, value = node.targets[0], node.value
         inner = value
         while is_int(inner):
             inner = inner.args[0]
-        if len(node.targets) == 1 and isinstance(target, ast.Name) and self._callee(inner):
-            self.expand(inner, out, target.id)
+        if len(node.targets) == 1 and isinstance(target, ast.Name) and self._callee_of(inner):
+            self.expand_call(inner, out, target.id)
             return out
-        node.value = self.expression(value, out)
-        if any(self.calls(each) for each in node.targets):
-            node.value = self.store(node.value, out)
-            node.targets = [self.expression(each, out) for each in node.targets]
+        node.value = self.inline_expression(value, out)
+        if any(self.has_calls(each) for each in node.targets):
+            node.value = self.store_value(node.value, out)
+            node.targets = [self.inline_expression(each, out) for each in node.targets]
         return [*out, node]
 
     # --- expressions
 
-    def expression(self, node, out):
+    def inline_expression(self, node, out):
         """The expression without calls of chosen kernels; the statements that must run before it go to `out`."""
-        if not self.calls(node):
+        if not self.has_calls(node):
             return node
-        if self._callee(node):
-            return name(self.expand(node, out, ""))
-        if is_int(node) and self._callee(node.args[0]):
-            return self.expression(node.args[0], out)
+        if self._callee_of(node):
+            return name_node(self.expand_call(node, out, ""))
+        if is_int(node) and self._callee_of(node.args[0]):
+            return self.inline_expression(node.args[0], out)
         if isinstance(node, ast.BoolOp):
-            return self.logical(node, out)
+            return self.inline_logical(node, out)
         if isinstance(node, ast.IfExp):
-            test = self.expression(node.test, out)
-            made = self.local(INT)
+            test = self.inline_expression(node.test, out)
+            made = self.new_local(INT)
             sides = []
             for side in (node.body, node.orelse):
                 inside = []
-                value = self.expression(side, inside)
-                sides.append([*inside, assign(made, value)])
+                value = self.inline_expression(side, inside)
+                sides.append([*inside, assign_node(made, value)])
             out.append(ast.If(test, *sides))
-            return name(made)
+            return name_node(made)
         if isinstance(node, ast.Compare):
-            if any(self.calls(each) for each in node.comparators[1:]):
+            if any(self.has_calls(each) for each in node.comparators[1:]):
                 self.kernel.refuse(node, "a call behind a second comparison; compare one after the other")
             node.left, *node.comparators = self.in_order([node.left, *node.comparators], out)
         elif isinstance(node, ast.BinOp):
             node.left, node.right = self.in_order([node.left, node.right], out)
         elif isinstance(node, ast.UnaryOp):
-            node.operand = self.expression(node.operand, out)
+            node.operand = self.inline_expression(node.operand, out)
         elif isinstance(node, ast.Subscript):
             node.value, node.slice = self.in_order([node.value, node.slice], out)
         elif isinstance(node, ast.Call):
@@ -287,31 +287,31 @@ class Inliner:
         """Expressions in Python's order of evaluation: a value that a later call could change is stored in a local before it."""
         made = []
         for number, node in enumerate(nodes):
-            node = self.expression(node, out)
+            node = self.inline_expression(node, out)
             stable = all(isinstance(each, (ast.Name, ast.Constant, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.expr_context)) for each in ast.walk(node))
-            if not stable and any(self.calls(each) for each in nodes[number + 1 :]):
-                node = self.store(node, out)
+            if not stable and any(self.has_calls(each) for each in nodes[number + 1 :]):
+                node = self.store_value(node, out)
             made.append(node)
         return made
 
-    def logical(self, node, out):
+    def inline_logical(self, node, out):
         """`a and f(b)` as a condition: f is called only if it would be."""
-        made = self.local(INT)
+        made = self.new_local(INT)
         both = isinstance(node.op, ast.And)
-        inside = [assign(made, ast.Constant(int(both)))]
+        inside = [assign_node(made, ast.Constant(int(both)))]
         for value in reversed(node.values):
             before = []
-            test = self.expression(value, before)
+            test = self.inline_expression(value, before)
             inside = [*before, ast.If(test if both else ast.UnaryOp(ast.Not(), test), inside, [])]
-        out += [assign(made, ast.Constant(int(not both))), *inside]
-        return name(made)
+        out += [assign_node(made, ast.Constant(int(not both))), *inside]
+        return name_node(made)
 
     # --- a call
 
-    def expand(self, node, out, result):
+    def expand_call(self, node, out, result):
         """The called kernel's statements, to `out`; returns the name of the local that has what it returns. `result`: that name,
         "" for a new one, None if it is not wanted."""
-        callee = self._callee(node)
+        callee = self._callee_of(node)
         if node.keywords or len(node.args) != len(callee.arguments):
             self.kernel.refuse(node, f"{callee.name}() takes {len(callee.arguments)} arguments, by their places")
         body = copy.deepcopy(self.make(callee))
@@ -319,43 +319,43 @@ class Inliner:
         if result == "":
             if not callee.returns:
                 self.kernel.refuse(node, f"{callee.name}() returns nothing")
-            result = self.local(INT)
+            result = self.new_local(INT)
         before = dict(self.used)
         stores = {each.id for each in ast.walk(body) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
         names = {}
         values = self.in_order(node.args, out)
         named = [each.id for value in values for each in ast.walk(value) if isinstance(each, ast.Name)]
         for (argument, kind), given in zip(callee.arguments, values):
-            known = self.kind(given)
+            known = self.kind_of(given)
             fits = known == kind or kind == OBJECT
             if not fits and known in POINTERS:
                 self.kernel.refuse(node, f"{ast.unparse(given)} is {known}, {callee.name}() wants {kind}")
             kept = isinstance(given, ast.Name) and given.id == result and named.count(result) == 1  # `x = f(x)`: x is over with
             plain = isinstance(given, (ast.Name, ast.Constant)) and (argument not in stores or kept)
             if not (fits and plain):
-                local = self.local(kind)
-                out.append(assign(local, given if fits else cast(kind, given)))
-                given = name(local)
+                local = self.new_local(kind)
+                out.append(assign_node(local, given if fits else cast_node(kind, given)))
+                given = name_node(local)
             names[argument] = given
         last = body.body[-1]
-        alone = isinstance(last, ast.Return) and not returns(body.body[:-1]) and isinstance(last.value, ast.Name)
+        alone = isinstance(last, ast.Return) and not has_return(body.body[:-1]) and isinstance(last.value, ast.Name)
         if alone and result and result not in named and kinds.get(last.value.id) == INT and last.value.id not in names:
-            names[last.value.id] = name(result)  # the returned local is the result itself
+            names[last.value.id] = name_node(result)  # the returned local is the result itself
             body.body.pop()
         for local, kind in kinds.items():
             if local not in names:
-                names[local] = name(self.local(kind))
-        names.update(self._globals(callee, body, names))
+                names[local] = name_node(self.new_local(kind))
+        names.update(self._global_nodes(callee, body, names))
         statements = [each for each in body.body if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
         statements = [Renamed(names).visit(each) for each in statements]
-        out += FallThrough(self, result).flatten(statements) or [ast.Pass()]
+        out += FallThrough(self, result).flatten_returns(statements) or [ast.Pass()]
         self.wants |= getattr(body, "wants", set())
         self.used = before
         if result:
             self.kinds.setdefault(result, INT)
         return result
 
-    def _globals(self, callee, body, names):
+    def _global_nodes(self, callee, body, names):
         """{name: node} of the callee's module globals, as the caller's module reads them."""
         module, mine = callee.module, self.kernel.module
         numbers = self.program.constants[module]
@@ -364,7 +364,7 @@ class Inliner:
         for each in reads - names.keys() - set(dir(builtins)) - set(POINTERS) - {"uint", "micropython"}:
             if each in numbers:
                 large = not -SMALL <= numbers[each] < SMALL  # an object, as mpy-cross sees it
-                found[each] = cast(INT, ast.Constant(numbers[each])) if large else ast.Constant(numbers[each])
+                found[each] = cast_node(INT, ast.Constant(numbers[each])) if large else ast.Constant(numbers[each])
             elif module != mine:
                 source, _, original = self.program.imported[module].get(each, f"{module}.{each}").rpartition(".")
                 if self.program.imported[mine].get(each) != f"{source}.{original}":

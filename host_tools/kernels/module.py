@@ -1,6 +1,6 @@
 """C to code that runs at any address, and that as an .mpy which stock MicroPython loads.
 
-    made = module(text, names, "armv6m")    # bytes, from what is shipped, kept or compiled here; None: there is no compiler
+    made = make_module(text, names, "armv6m")    # bytes, from what is shipped, kept or compiled here; None: there is no compiler
     made.data, made.by, made.pointers       # the .mpy, "gcc 12.2.1", and how many words look like pointers
 
 The code is linked at two addresses: equal bytes prove that nothing in it depends on where it lies, so nothing has to be relocated,
@@ -63,13 +63,13 @@ SECTIONS {{ . = {base:#x}; .text : {{ *(.text.start) *(.text.once) . = ALIGN(4);
 Made = namedtuple("Made", "data by pointers")
 
 
-def compiler(march):
+def find_compiler(march):
     """(name, command, options to try, what it says it is), or None."""
-    return _compiler(march, os.environ.get("PASSO_KERNELS"))
+    return _find_compiler(march, os.environ.get("PASSO_KERNELS"))
 
 
 @lru_cache(maxsize=16)
-def _compiler(march, asked):
+def _find_compiler(march, asked):
     gcc = GCC.get(march, "").split()
     if march == "x64" and platform.machine() not in ("x86_64", "AMD64"):
         return None
@@ -85,61 +85,61 @@ def _version(command):
     return subprocess.run(command, capture_output=True, text=True).stdout.strip()
 
 
-def module(text, names, march):
+def make_module(text, names, march):
     """The module of a text of C, or None if nothing makes it here."""
     asked = os.environ.get("PASSO_KERNELS")
     if march not in ARCHITECTURE or asked == "viper":
         return None
     shipped = SHIPPED / file_name_of(text, names, march)
     if not asked and shipped.is_file():
-        return _result(shipped.read_bytes(), "what came with Passo", names, march)
+        return _result_of(shipped.read_bytes(), "what came with Passo", names, march)
     return compile_here(text, names, march)
 
 
-def origin(march):
+def origin_of(march):
     """The things that a chip's modules depend on beside their C: the compiler, PASSO_KERNELS, and the names of the shipped modules."""
-    return compiler(march), os.environ.get("PASSO_KERNELS"), sorted(path.name for path in SHIPPED.glob("*.mpy"))
+    return find_compiler(march), os.environ.get("PASSO_KERNELS"), sorted(path.name for path in SHIPPED.glob("*.mpy"))
 
 
 def file_name_of(text, names, march):
     """Name of the file that has the module of a text of C."""
-    return _hash(text, names, march)[:24] + ".mpy"
+    return _hash_text(text, names, march)[:24] + ".mpy"
 
 
 def compile_here(text, names, march):
     """The module, compiled on this PC or taken from the cache of an earlier call; None if there is no compiler."""
-    found = compiler(march)
+    found = find_compiler(march)
     if found is None:
         return None
     name, command, options, version = found
-    identity = _hash(command[1:], options, version, COMMON, SCRIPT)[:8]
-    kept = CACHE / f"{_hash(text, names, march)[:24]}-{name}-{identity}.mpy"
+    identity = _hash_text(command[1:], options, version, COMMON, SCRIPT)[:8]
+    kept = CACHE / f"{_hash_text(text, names, march)[:24]}-{name}-{identity}.mpy"
     if not kept.is_file():
-        data = mpy_of(best(text, march, command, options), names, march)
+        data = mpy_of(best_code(text, march, command, options), names, march)
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
             file.write(data)
         os.replace(file.name, kept)
-    return _result(kept.read_bytes(), f"{name} {version}", names, march)
+    return _result_of(kept.read_bytes(), f"{name} {version}", names, march)
 
 
-def _hash(*given):
+def _hash_text(*given):
     return hashlib.sha256(repr(given).encode()).hexdigest()
 
 
-def _result(data, by, names, march):
-    return Made(data, by, len(pointers(code_of(data, names, march), march)))
+def _result_of(data, by, names, march):
+    return Made(data, by, len(pointer_positions(code_of(data, names, march), march)))
 
 
-def best(text, march, command, options):
+def best_code(text, march, command, options):
     """The first code in which no word looks like a pointer; if there is none, what takes the least memory."""
     found = []
     for option in options:
         moved, more = set(), set()
         for _round in range(ROUNDS):
-            code, elf = _link(shift_functions(text, moved | more), [*command, *option.split()])
+            code, elf = _link_twice(shift_functions(text, moved | more), [*command, *option.split()])
             moved |= more
-            positions = pointers(code, march)
+            positions = pointer_positions(code, march)
             if not positions:
                 return code
             found.append((len(code) + KEEPS * len(positions), code))
@@ -151,19 +151,19 @@ def best(text, march, command, options):
 
 def compile_c(text, command):
     """The code of a text of C. Raises Failure if it does not compile, or depends on its address."""
-    return _link(text, command)[0]
+    return _link_twice(text, command)[0]
 
 
-def _link(text, command):
+def _link_twice(text, command):
     """(code, the ELF that has it at 0)"""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         (folder / "k.c").write_text(text, encoding="utf-8")
-        _run([*command, *COMMON.split(), "-c", "-o", "k.o", "k.c"], folder)
+        _run_command([*command, *COMMON.split(), "-c", "-o", "k.o", "k.c"], folder)
         elfs, codes = [], []
         for base in (0, 0x1000010):
             (folder / "k.ld").write_text(SCRIPT.format(base=base))
-            _run([*command, *COMMON.split(), "-Wl,-T,k.ld", "-Wl,--build-id=none", "-Wl,-e,start", "-o", "k.elf", "k.o"], folder)
+            _run_command([*command, *COMMON.split(), "-Wl,-T,k.ld", "-Wl,--build-id=none", "-Wl,-e,start", "-o", "k.elf", "k.o"], folder)
             elfs.append((folder / "k.elf").read_bytes())
             codes.append(bytes_in_memory(elfs[-1], base))
     if codes[0] != codes[1]:
@@ -171,7 +171,7 @@ def _link(text, command):
     return codes[0], elfs[0]
 
 
-def _run(command, folder):
+def _run_command(command, folder):
     done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode:
         raise Failure("{} does not compile kernels: {}", " ".join(command[:4]), next((line for line in done.stdout.splitlines() if "error" in line or "undefined" in line), done.stdout))
@@ -188,33 +188,33 @@ def bytes_in_memory(elf, base):
     return found
 
 
-def pointers(code, march):
+def pointer_positions(code, march):
     """Byte offsets of words in the code that the collector would take for addresses of its heap."""
     low, high = HEAPS.get(march, (0, 0))
     words = struct.unpack(f"<{len(code) // 4}I", code[: len(code) & ~3])
     return [4 * number for number, word in enumerate(words) if low <= word < high and word % 16 == 0]
 
 
-def number(value):
+def encode_number(value):
     out = bytes([value & 0x7F])
     while value := value >> 7:
         out = bytes([0x80 | value & 0x7F]) + out
     return out
 
 
-def _head(names, march):
+def _mpy_head(names, march):
     """The bytes before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
-    table = b"".join(number(len(name) << 1) + name.encode() + b"\0" for name in names)
-    return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + number(len(names)) + number(1) + table + b"\0"
+    table = b"".join(encode_number(len(name) << 1) + name.encode() + b"\0" for name in names)
+    return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + encode_number(len(names)) + encode_number(1) + table + b"\0"
 
 
 def mpy_of(code, names, march):
     """The .mpy, of one function of viper's kind."""
-    return _head(names, march) + number(len(code) << 3 | 2) + code + number(0)
+    return _mpy_head(names, march) + encode_number(len(code) << 3 | 2) + code + encode_number(0)
 
 
 def code_of(data, names, march):
-    at = len(_head(names, march))
+    at = len(_mpy_head(names, march))
     while data[at] & 0x80:
         at += 1
     return data[at + 1 : -1]

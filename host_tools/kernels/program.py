@@ -113,12 +113,12 @@ class Program:
                     self.kernels[kernel.full] = kernel
         for module, path in self.paths.items():
             if any(full.rpartition(".")[0].rpartition(".")[2] in texts[path] for full in self.kernels) or path in self.kernel_paths():
-                self._read(module, path)
+                self._read_module(module, path)
 
     def kernel_paths(self):
         return {kernel.path for kernel in self.kernels.values()}
 
-    def _read(self, module, path):
+    def _read_module(self, module, path):
         """Note a module's imports, the names that its functions bind anew, and its numbers."""
         imported, numbers = self.imported.setdefault(module, {}), self.constants.setdefault(module, {})
         rebound = self.rebound.setdefault(module, set())
@@ -167,11 +167,11 @@ class Program:
             return None
         return self.kernel_of_name(kernel.module, node.func, passed_on)
 
-    def calls(self, kernel):
+    def kernels_called(self, kernel):
         """The kernels that it calls by name."""
         return [called for called in (self.kernel_of_call(kernel, node) for node in ast.walk(kernel.node)) if called]
 
-    def marks(self, kernel):
+    def marks_of(self, kernel):
         """(arguments shared with interrupts, {argument: the kernel that it usually is}), as comments of the module say."""
         text = self.texts[kernel.path]
         shared = re.search(r"^# Shared with interrupts: (\w+(?:, \w+)*)", text, re.MULTILINE)

@@ -1,7 +1,7 @@
 """A kernel as C. docs/inside/kernels.md says which Python is accepted, and how it works.
 
     function = unit.function(kernel)    # of unit.Unit, which has those that it calls
-    function.text(), function.wrapper() # C; the wrapper is what Python calls
+    function.function_text(), function.wrapper_text() # C; the wrapper is what Python calls
 
 Numbers are int32_t and wrap, arrays are pointers, all else is an object. A name has the kind of its first assignment. Operations that C may leave
 undefined are functions of runtime.c: division, and shifts by a variable. A kernel that works with objects has the module's
@@ -25,15 +25,15 @@ class Function:
         self.unit, self.kernel, self.program = unit, kernel, unit.program
         self.kinds, self.refuse = dict(kernel.kinds), kernel.refuse
         self.c_name = kernel.full.removeprefix("passo.").replace(".", "_")
-        self.shared, self.usual = unit.program.marks(kernel)
+        self.shared, self.usual = unit.program.marks_of(kernel)
         self.numbers = dict.fromkeys(self.program.constants.get(kernel.module, ()), INT)
         self.other_names = {}  # {local: the kernel that it stands for}
         self.hardware = set()  # pointers made of numbers
         self.array_of = {}  # {object: the pointer to its numbers}
-        self._learn()
+        self._learn_kinds()
         self.with_objects = None  # until it is known
 
-    def _learn(self):
+    def _learn_kinds(self):
         arguments, asked = [name for name, _ in self.kernel.arguments], self.kernel.node.args
         if asked.vararg or asked.kwarg or asked.kwonlyargs or asked.posonlyargs or asked.defaults:
             self.refuse(self.kernel.node, "arguments have names and no defaults: write kernel(a: int, b: ptr32)")
@@ -52,14 +52,14 @@ class Function:
                 self.kinds.pop(name, None)
             elif self.kinds[name] in POINTERS and isinstance(value, ast.Call):
                 source = value.args[0]
-                if self.kind(source) in (INT, BOOL):
+                if self.kind_of(source) in (INT, BOOL):
                     self.hardware.add(name)
-                elif isinstance(source, ast.Name) and source.id in arguments and self.kind(source) == OBJECT:
+                elif isinstance(source, ast.Name) and source.id in arguments and self.kind_of(source) == OBJECT:
                     self.array_of[source.id] = name
                     if source.id in self.shared:
                         self.shared.add(name)
 
-    def kind(self, node):
+    def kind_of(self, node):
         return kind_of(node, {**self.numbers, **self.kinds}, self.kernel_of_call)
 
     def kernel_of_call(self, node):
@@ -68,33 +68,33 @@ class Function:
             return self.other_names[node.func.id]
         return self.program.kernel_of_call(self.kernel, node)
 
-    def volatile(self, name):
+    def is_volatile(self, name):
         return name in self.shared or name in self.hardware
 
     # --- expressions
 
-    def test(self, node):
+    def condition_text(self, node):
         """As a condition, where `and`, `or` and `not` may stand."""
         if isinstance(node, ast.BoolOp):
-            return "(" + (" && " if isinstance(node.op, ast.And) else " || ").join(map(self.test, node.values)) + ")"
+            return "(" + (" && " if isinstance(node.op, ast.And) else " || ").join(map(self.condition_text, node.values)) + ")"
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
-            return f"!{self.test(node.operand)}"
-        if self.kind(node) == OBJECT:
+            return f"!{self.condition_text(node.operand)}"
+        if self.kind_of(node) == OBJECT:
             self.refuse(node, f"{ast.unparse(node)} is an object: write int(…), or compare")
-        return self.value(node)
+        return self.value_text(node)
 
-    def number(self, node):
-        if self.kind(node) not in (INT, BOOL):
+    def number_text(self, node):
+        if self.kind_of(node) not in (INT, BOOL):
             self.refuse(node, f"{ast.unparse(node)} is no number: write int(…)")
-        return self.value(node)
+        return self.value_text(node)
 
-    def value(self, node):
-        method = getattr(self, "_" + type(node).__name__.lower(), None)
+    def value_text(self, node):
+        method = getattr(self, "_value_of_" + type(node).__name__.lower(), None)
         if method is None:
             self.refuse(node, f"{ast.unparse(node)[:60]}: kernels have numbers, arrays, calls and attributes only")
         return method(node)
 
-    def _constant(self, node):
+    def _value_of_constant(self, node):
         if type(node.value) not in (int, bool):
             self.refuse(node, f"{node.value!r}: kernels have whole numbers only")
         value = int(node.value)
@@ -103,12 +103,12 @@ class Function:
         value -= (value >> 31 & 1) << 32 if value > 0 else 0
         return str(value) if value > -(1 << 31) else "INT32_MIN"
 
-    def _name(self, node):
+    def _value_of_name(self, node):
         if node.id in self.kinds:
             return "v_" + node.id
         numbers = self.program.constants.get(self.kernel.module, {})
         if node.id in numbers:
-            return self._constant(ast.Constant(numbers[node.id]))
+            return self._value_of_constant(ast.Constant(numbers[node.id]))
         if node.id in self.other_names:
             self.refuse(node, f"{node.id} is a kernel: call it, or have it given as an argument")
         self.refuse(node, f"{node.id} is no local, no argument and no constant: constants are whole numbers under names in capitals")
@@ -123,136 +123,136 @@ class Function:
         first = " ".join(f"__auto_type {name} = {value};" for name, value in zip(names, values))
         return f"({{ {first} {form(*names)}; }})"
 
-    def _binop(self, node):
-        values = [self.number(node.left), self.number(node.right)]
+    def _value_of_binop(self, node):
+        values = [self.number_text(node.left), self.number_text(node.right)]
         if type(node.op) in FUNCTION:
             return self.in_sequence([node.left, node.right], values, lambda left, right: f"{FUNCTION[type(node.op)]}({left}, {right})")
         if type(node.op) not in BINARY:
             self.refuse(node, f"{ast.unparse(node)[:60]}: operators are + - * // % << >> & | ^ ~")
         return self.in_sequence([node.left, node.right], values, lambda left, right: f"({left} {BINARY[type(node.op)]} {right})")
 
-    def _unaryop(self, node):
+    def _value_of_unaryop(self, node):
         if isinstance(node.op, ast.Not):
-            return self.test(node)
-        return f"({'~' if isinstance(node.op, ast.Invert) else '-'}{self.number(node.operand)})"
+            return self.condition_text(node)
+        return f"({'~' if isinstance(node.op, ast.Invert) else '-'}{self.number_text(node.operand)})"
 
-    def _compare(self, node):
+    def _value_of_compare(self, node):
         parts, left = [], node.left
         for operator, right in zip(node.ops, node.comparators):
             if type(operator) not in COMPARE:
                 self.refuse(node, f"{ast.unparse(node)[:60]}: comparisons are of numbers")
-            values = [self.number(left), self.number(right)]
+            values = [self.number_text(left), self.number_text(right)]
             parts.append(self.in_sequence([left, right], values, lambda a, b: f"({a} {COMPARE[type(operator)]} {b})"))
             if right is not node.comparators[-1] and not isinstance(right, (ast.Name, ast.Constant)):
                 self.refuse(node, f"{ast.unparse(right)[:60]} between two comparisons: use a variable")
             left = right
         return "(" + " && ".join(parts) + ")" if len(parts) > 1 else parts[0]
 
-    def _ifexp(self, node):
-        if self.kind(node.body) != self.kind(node.orelse) and OBJECT in (self.kind(node.body), self.kind(node.orelse)):
+    def _value_of_ifexp(self, node):
+        if self.kind_of(node.body) != self.kind_of(node.orelse) and OBJECT in (self.kind_of(node.body), self.kind_of(node.orelse)):
             self.refuse(node, f"{ast.unparse(node)[:60]}: one is a number, the other an object")
-        return f"({self.test(node.test)} ? {self.value(node.body)} : {self.value(node.orelse)})"
+        return f"({self.condition_text(node.test)} ? {self.value_text(node.body)} : {self.value_text(node.orelse)})"
 
-    def _element(self, node):
+    def _element_text(self, node):
         """(C of the element, whether interrupts or hardware change it)."""
-        if self.kind(node.value) not in POINTERS:
+        if self.kind_of(node.value) not in POINTERS:
             self.refuse(node, f"{ast.unparse(node.value)} is no array: write ptr32(…)")
-        hardware = isinstance(node.value, ast.Call) and self.kind(node.value.args[0]) in (INT, BOOL)
-        shared = hardware or isinstance(node.value, ast.Name) and self.volatile(node.value.id)
-        return f"{self.value(node.value)}[{self.number(node.slice)}]", shared
+        hardware = isinstance(node.value, ast.Call) and self.kind_of(node.value.args[0]) in (INT, BOOL)
+        shared = hardware or isinstance(node.value, ast.Name) and self.is_volatile(node.value.id)
+        return f"{self.value_text(node.value)}[{self.number_text(node.slice)}]", shared
 
-    def _subscript(self, node):
-        element, shared = self._element(node)
+    def _value_of_subscript(self, node):
+        element, shared = self._element_text(node)
         return f"looked({element})" if shared else f"(int32_t){element}"
 
-    def _boolop(self, node):
+    def _value_of_boolop(self, node):
         self.refuse(node, f"{ast.unparse(node)[:60]} as a value: write … if … else …")
 
-    def _attribute(self, node):
-        if self.kind(node.value) != OBJECT:
+    def _value_of_attribute(self, node):
+        if self.kind_of(node.value) != OBJECT:
             self.refuse(node, f"{ast.unparse(node.value)} is no object: give it as an argument without a type")
-        return f"load_attr({self.value(node.value)}, {self.unit.name(node.attr)})"
+        return f"load_attr({self.value_text(node.value)}, {self.unit.name_text(node.attr)})"
 
-    def _call(self, node):
+    def _value_of_call(self, node):
         if node.keywords:
             self.refuse(node, f"{ast.unparse(node)[:60]}: arguments go by their places")
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name == INT and len(node.args) == 1:
-            given = self.value(node.args[0])
-            kind = self.kind(node.args[0])
+            given = self.value_text(node.args[0])
+            kind = self.kind_of(node.args[0])
             return f"to_int(at, {given})" if kind == OBJECT else f"(int32_t)(uintptr_t){given}" if kind in POINTERS else given
         if name in POINTERS and name not in self.kinds:
-            kind = self.kind(node.args[0])
+            kind = self.kind_of(node.args[0])
             if kind == OBJECT:
-                return f"(({C_TYPE[name]})array_of(at, {self.value(node.args[0])}))"
+                return f"(({C_TYPE[name]})array_of(at, {self.value_text(node.args[0])}))"
             volatile = "volatile " if kind not in POINTERS else ""
-            return f"(({volatile}{C_TYPE[name]})(uintptr_t){self.value(node.args[0])})"
+            return f"(({volatile}{C_TYPE[name]})(uintptr_t){self.value_text(node.args[0])})"
         if name == ROOT and name not in self.kinds and len(node.args) == 1:
-            return f"root({self.number(node.args[0])})"
+            return f"root({self.number_text(node.args[0])})"
         kernel = self.kernel_of_call(node)
         if kernel:
-            return self._direct(kernel, node)
-        listed = [self.object(each) for each in node.args]
+            return self._direct_call(kernel, node)
+        listed = [self.object_text(each) for each in node.args]
         if isinstance(node.func, ast.Attribute):
-            base, method = self.value(node.func.value), self.unit.name(node.func.attr)
+            base, method = self.value_text(node.func.value), self.unit.name_text(node.func.attr)
             form = lambda *given: f"call_method({', '.join([base, method, str(len(given)), *given])})"  # noqa: E731
             return self.in_sequence(node.args, listed, form)
         if name is None or self.kinds.get(name) != OBJECT:
             self.refuse(node, f"{ast.unparse(node.func)}() is no kernel: kernels call kernels, methods, and functions given as arguments")
-        other = self.in_sequence(node.args, listed, lambda *given: f"call_object({', '.join([self.value(node.func), str(len(given)), *given])})")
+        other = self.in_sequence(node.args, listed, lambda *given: f"call_object({', '.join([self.value_text(node.func), str(len(given)), *given])})")
         usual = self.program.kernels.get(self.usual.get(name))
         if usual not in self.unit.kernels:
             return other
-        wrapper = self.unit.function(usual).wrapper_name()
-        return f"(is_kernel({self.value(node.func)}, {wrapper}) ? (void){self._direct(usual, node)} : (void){other})"
+        wrapper = self.unit.function_of(usual).wrapper_name()
+        return f"(is_kernel({self.value_text(node.func)}, {wrapper}) ? (void){self._direct_call(usual, node)} : (void){other})"
 
-    def _direct(self, kernel, node):
-        callee = self.unit.function(kernel)
+    def _direct_call(self, kernel, node):
+        callee = self.unit.function_of(kernel)
         if len(node.args) != len(kernel.arguments):
             self.refuse(node, f"{kernel.name}() takes {len(kernel.arguments)} arguments")
         given = []
         for (name, kind), each in zip(kernel.arguments, node.args):
             if kind in POINTERS:
-                given.append(self.pointer(each, kind, callee.volatile(name), kernel))
+                given.append(self.pointer_text(each, kind, callee.is_volatile(name), kernel))
             else:
-                given.append(self.object(each) if kind == OBJECT else self.number(each))
+                given.append(self.object_text(each) if kind == OBJECT else self.number_text(each))
         first = ["at"] if callee.needs_objects() else []
         return self.in_sequence(node.args, given, lambda *values: f"{callee.c_name}({', '.join([*first, *values])})")
 
-    def pointer(self, node, wanted, shared, callee):
-        kind = self.kind(node)
+    def pointer_text(self, node, wanted, shared, callee):
+        kind = self.kind_of(node)
         name = node.id if isinstance(node, ast.Name) else None
         name = self.array_of.get(name, name)
-        if name and self.volatile(name) and not shared:
+        if name and self.is_volatile(name) and not shared:
             self.refuse(node, f"{name} is shared with interrupts, and {callee.full}()'s module does not say so: # Shared with interrupts: …")
         if self.kinds.get(name) in POINTERS:
             return f"({C_TYPE[wanted]})v_{name}" if self.kinds[name] != wanted else f"v_{name}"
         if kind in POINTERS:
-            return self.value(node)
+            return self.value_text(node)
         if kind != OBJECT:
             self.refuse(node, f"{ast.unparse(node)} is a number, {callee.full}() wants {wanted}: write {wanted}(…)")
-        return f"array_of(at, {self.value(node)})"
+        return f"array_of(at, {self.value_text(node)})"
 
-    def object(self, node):
-        if self.kind(node) == OBJECT:
-            return self.value(node)
-        if self.kind(node) in POINTERS:
-            return f"to_pointer(at, {self.value(node)})"
-        return f"to_object(at, {self.value(node)})"
+    def object_text(self, node):
+        if self.kind_of(node) == OBJECT:
+            return self.value_text(node)
+        if self.kind_of(node) in POINTERS:
+            return f"to_pointer(at, {self.value_text(node)})"
+        return f"to_object(at, {self.value_text(node)})"
 
     def needs_objects(self):
         """Whether it, or a kernel that it calls, calls the interpreter."""
         if self.with_objects is None:
             self.with_objects = False  # a kernel that calls this one again adds nothing
             for node in ast.walk(self.kernel.node):
-                if isinstance(node, ast.Attribute) and self.kind(node) == OBJECT and not self.is_kernel_name(node):
+                if isinstance(node, ast.Attribute) and self.kind_of(node) == OBJECT and not self.is_kernel_name(node):
                     self.with_objects = True
                 elif isinstance(node, ast.Call):
                     kernel = self.kernel_of_call(node)
                     plain = isinstance(node.func, ast.Name) and node.func.id in (INT, *POINTERS, ROOT, "range")
-                    if kernel and self.unit.function(kernel).needs_objects() or not kernel and not plain:
+                    if kernel and self.unit.function_of(kernel).needs_objects() or not kernel and not plain:
                         self.with_objects = True
-                    if not (kernel and node.args == []) and any(self.kind(each) == OBJECT for each in node.args):
+                    if not (kernel and node.args == []) and any(self.kind_of(each) == OBJECT for each in node.args):
                         self.with_objects = True
         return self.with_objects
 
@@ -261,103 +261,103 @@ class Function:
 
     # --- statements
 
-    def block(self, body, depth):
-        return "".join("    " * depth + line + "\n" for node in body for line in self.statement(node))
+    def block_text(self, body, depth):
+        return "".join("    " * depth + line + "\n" for node in body for line in self.statement_lines(node))
 
-    def inner(self, body):
-        return [f"    {line}" for node in body for line in self.statement(node)]
+    def inner_lines(self, body):
+        return [f"    {line}" for node in body for line in self.statement_lines(node)]
 
-    def statement(self, node):
+    def statement_lines(self, node):
         """Its lines of C."""
         if isinstance(node, ast.Expr):
-            return [] if isinstance(node.value, ast.Constant) else [f"{self.value(node.value)};"]
+            return [] if isinstance(node.value, ast.Constant) else [f"{self.value_text(node.value)};"]
         if isinstance(node, ast.Assign):
-            return self._assign(node)
+            return self._assign_lines(node)
         if isinstance(node, ast.AugAssign):
             if isinstance(node.target, ast.Subscript) and not isinstance(node.target.slice, ast.Constant):
                 if any(isinstance(each, (ast.Call, ast.Subscript)) for each in ast.walk(node.target.slice)):
                     self.refuse(node, f"{ast.unparse(node.target)} with an operator: the index is computed twice: use a variable for it")
             read = ast.copy_location(ast.BinOp(_as_read(node.target), node.op, node.value), node)
-            return self._store(node.target, self._binop(read))
+            return self._store_lines(node.target, self._value_of_binop(read))
         if isinstance(node, ast.While) and not node.orelse:
-            return [f"while ({self.test(node.test)}) {{", *self.inner(node.body), "}"]
+            return [f"while ({self.condition_text(node.test)}) {{", *self.inner_lines(node.body), "}"]
         if isinstance(node, ast.For) and not node.orelse:
-            return self._for(node)
+            return self._for_lines(node)
         if isinstance(node, ast.If):
-            lines = [f"if ({self.test(node.test)}) {{", *self.inner(node.body), "}"]
+            lines = [f"if ({self.condition_text(node.test)}) {{", *self.inner_lines(node.body), "}"]
             if len(node.orelse) == 1 and isinstance(node.orelse[0], ast.If):
-                first, *rest = self.statement(node.orelse[0])
+                first, *rest = self.statement_lines(node.orelse[0])
                 lines[-1:] = ["} else " + first, *rest]
             elif node.orelse:
-                lines[-1:] = ["} else {", *self.inner(node.orelse), "}"]
+                lines[-1:] = ["} else {", *self.inner_lines(node.orelse), "}"]
             return lines
         if isinstance(node, ast.Return):
             if node.value is None or not self.kernel.returns:
                 if node.value is not None:
                     self.refuse(node, "returns a value: write -> int behind the arguments")
                 return ["return;"]
-            return [f"return {self.number(node.value)};"]
+            return [f"return {self.number_text(node.value)};"]
         simple = {ast.Break: ["break;"], ast.Continue: ["continue;"], ast.Pass: []}
         if type(node) not in simple:
             self.refuse(node, f"{type(node).__name__.lower()}: statements are =, while, for … in range(…), if, break, continue, return, pass and calls")
         return simple[type(node)]
 
-    def _assign(self, node):
+    def _assign_lines(self, node):
         if isinstance(node.targets[0], ast.Name) and node.targets[0].id in self.other_names:
             return []
         if len(node.targets) > 1 and not isinstance(node.value, (ast.Name, ast.Constant)):
             self.refuse(node, "several targets: assign a number or a name to them")
-        kind = self.kind(node.value)
+        kind = self.kind_of(node.value)
         lines = []
         for target in node.targets:
             if not isinstance(target, (ast.Name, ast.Subscript)):
                 self.refuse(node, f"{ast.unparse(target)} = …: write an assignment for each variable or element of an array")
-            known = self.kind(target)
+            known = self.kind_of(target)
             if known != kind and {known, kind} != {INT, BOOL}:
                 self.refuse(node, f"{ast.unparse(target)} is {known}, {ast.unparse(node.value)[:40]} is {kind}")
-            lines += self._store(target, self.value(node.value))
+            lines += self._store_lines(target, self.value_text(node.value))
         return lines
 
-    def _store(self, target, value):
+    def _store_lines(self, target, value):
         if isinstance(target, ast.Name):
-            if self.kind(target) in POINTERS and self.volatile(target.id) and "volatile" not in value and target.id not in self.shared:
+            if self.kind_of(target) in POINTERS and self.is_volatile(target.id) and "volatile" not in value and target.id not in self.shared:
                 value = f"(volatile {C_TYPE[self.kinds[target.id]]}){value}"
-            return [f"{self._name(target)} = {value};"]
-        element, shared = self._element(target)
+            return [f"{self._value_of_name(target)} = {value};"]
+        element, shared = self._element_text(target)
         if shared or "(" in value:
             return [f"{{ int32_t next = {value}; {'settled(); ' if shared else ''}{element} = next; }}"]
         return [f"{element} = {value};"]
 
-    def _for(self, node):
+    def _for_lines(self, node):
         call = node.iter
         if not (isinstance(call, ast.Call) and ast.unparse(call.func) == "range" and 1 <= len(call.args) <= 2 and isinstance(node.target, ast.Name)):
             self.refuse(node, "for: write for NAME in range(…), with one number or two")
         first, end = ([ast.Constant(0)] + call.args)[-2:]
         name, count = "v_" + node.target.id, f"end_{node.target.id}_{node.lineno}"
-        head = f"{{ int32_t next = {self.number(first)}, {count} = {self.number(end)}; for (; next < {count}; next++) {{"
-        return [head, f"    {name} = next;", *self.inner(node.body), "} }"]
+        head = f"{{ int32_t next = {self.number_text(first)}, {count} = {self.number_text(end)}; for (; next < {count}; next++) {{"
+        return [head, f"    {name} = next;", *self.inner_lines(node.body), "} }"]
 
     # --- text
 
-    def declaration(self, name, kind):
-        return f"{'volatile ' if kind in POINTERS and self.volatile(name) else ''}{C_TYPE[kind]}v_{name}"
+    def declaration_text(self, name, kind):
+        return f"{'volatile ' if kind in POINTERS and self.is_volatile(name) else ''}{C_TYPE[kind]}v_{name}"
 
-    def head(self):
+    def head_text(self):
         arguments = ["context_t at"] if self.needs_objects() else []
-        arguments += [self.declaration(name, kind) for name, kind in self.kernel.arguments]
+        arguments += [self.declaration_text(name, kind) for name, kind in self.kernel.arguments]
         return f"static {'int32_t' if self.kernel.returns else 'void'} {self.c_name}({', '.join(arguments) or 'void'})"
 
-    def text(self):
-        body = self.block(self.kernel.node.body, 1)
+    def function_text(self):
+        body = self.block_text(self.kernel.node.body, 1)
         known = {name for name, _ in self.kernel.arguments}
-        local = "".join(f"    {self.declaration(name, kind)} = 0;\n" for name, kind in self.kinds.items() if name not in known)
+        local = "".join(f"    {self.declaration_text(name, kind)} = 0;\n" for name, kind in self.kinds.items() if name not in known)
         last = "    return 0;\n" if self.kernel.returns and not isinstance(self.kernel.node.body[-1], ast.Return) else ""
-        return f"// {self.kernel.full}\n{self.head()} {{\n{local}{body}{last}}}\n\n"
+        return f"// {self.kernel.full}\n{self.head_text()} {{\n{local}{body}{last}}}\n\n"
 
     def wrapper_name(self):
         return f"call_{self.c_name}"
 
-    def wrapper(self):
+    def wrapper_text(self):
         """The C function that Python calls: arguments are objects, as of viper."""
         given = ["at"] if self.needs_objects() else []
         for number, (_, kind) in enumerate(self.kernel.arguments):
@@ -374,7 +374,7 @@ class Function:
     def pc_function(self):
         """The C function that ctypes calls on a PC."""
         given = (["at"] if self.needs_objects() else []) + ["v_" + name for name, _ in self.kernel.arguments]
-        head = self.head().removeprefix("static ").replace(f" {self.c_name}(", f" pc_{self.c_name}(")
+        head = self.head_text().removeprefix("static ").replace(f" {self.c_name}(", f" pc_{self.c_name}(")
         return f"{head} {{\n    {'return ' if self.kernel.returns else ''}{self.c_name}({', '.join(given)});\n}}\n"
 
 

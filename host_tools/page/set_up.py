@@ -10,8 +10,8 @@
 The map is kept as long as the panel runs. It runs under MicroPython too, in a browser's tab.
 """
 
-from host_tools.programs.height_map import MOST_POINTS, Grid, Unfollowed, level
-from host_tools.programs.surfacing import surface
+from host_tools.programs.height_map import MOST_POINTS, Grid, Unfollowed, level_job
+from host_tools.programs.surfacing import surface_lines
 from host_tools.page.slow_order import SlowOrder
 from passo import errors
 from passo.protocols.page.orders import number_field, text_field
@@ -37,7 +37,7 @@ class SetUp:
     def _make_surface(self, order):
         if text_field(order, "what", 8) != "surface":
             return errors.UNKNOWN_COMMAND
-        lines = surface({name: number_field(order, name, *_SIZES[name]) for name in _SIZES})
+        lines = surface_lines({name: number_field(order, name, *_SIZES[name]) for name in _SIZES})
         if lines is None:
             return errors.JOB_SIZE
         return self._keep_job("make", SURFACE, "\n".join(lines) + "\n")
@@ -70,7 +70,7 @@ class SetUp:
         if error:
             return error
         grid = Grid(size["x0"], size["y0"], size["x1"], size["y1"], columns, rows)
-        lines = [(n + 1, line.replace(" ", "").encode()) for n, line in enumerate(grid.probing(touch["safe"], touch["deep"], touch["feed"]))]
+        lines = [(n + 1, line.replace(" ", "").encode()) for n, line in enumerate(grid.probing_lines(touch["safe"], touch["deep"], touch["feed"]))]
         error = machine.run(PROBING, lines, 1, False, False)
         if not error:
             self._grid = grid
@@ -80,7 +80,7 @@ class SetUp:
     def _add_touch(self, place):
         """A touch in work coordinates: one of the map's while its job runs."""
         job = self._machine.job
-        if self._grid and job.running() and job.name == PROBING and not self._grid.whole():
+        if self._grid and job.running() and job.name == PROBING and not self._grid.is_whole():
             self._grid.heights.append(place[2])
 
     def _map_answer(self):
@@ -88,11 +88,11 @@ class SetUp:
         if not grid:
             return {"t": "answer", "do": "map", "error": 0, "heights": None}
         return {"t": "answer", "do": "map", "error": 0, "x0": grid.x0, "y0": grid.y0, "dx": grid.dx, "dy": grid.dy, "columns": grid.columns, "rows": grid.rows,
-                "heights": [round(height, 3) for height in grid.heights], "whole": grid.whole()}  # fmt: skip
+                "heights": [round(height, 3) for height in grid.heights], "whole": grid.is_whole()}  # fmt: skip
 
     def _level_job(self, name):
         grid = self._grid
-        if not grid or not grid.whole():
+        if not grid or not grid.is_whole():
             return errors.NO_SUCH_JOB
         return SlowOrder(lambda: self._follow_map(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._keep_job("map", *made), name, True)
 
@@ -108,7 +108,7 @@ class SetUp:
                 break
         stem, dot, kind = name.rpartition(".")
         try:
-            made = level(found, grid)
+            made = level_job(found, grid)
         except Unfollowed as unfollowed:
             return {"t": "answer", "do": "map", "error": 0, "line": unfollowed.args[0], "why": unfollowed.args[1]}
         return "%s-level%s%s" % ((stem or name)[:48], dot, kind if dot else ""), made

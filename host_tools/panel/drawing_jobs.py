@@ -37,7 +37,7 @@ def gcode_of(board, machine):
     from host_tools.drawings.sources import GCODE, SUFFIXES
 
     def write(board, plan):
-        cut = gcode.usual(board)
+        cut = gcode.usual_cut(board)
         return "\n".join([*gcode.lines_of(plan, {part.number: cut for part in plan.parts}), ""])
 
     return _job_maker(lambda: as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write, _no_program)

@@ -127,16 +127,16 @@ class _Path:
         """(centre in mm from the start, clockwise, sagitta in steps) of the arc on which the positions lie, or None."""
         import numpy as np
 
-        from host_tools.programs.recognition import circle, near
+        from host_tools.programs.recognition import fit_circle, near_centres
 
         fine, coarse = [pick([self._scales[axis] for axis in plane]) for pick in (max, min)]
         flat = np.array(self._positions[at : end + 1])[:, list(plane)] * fine
         flat -= flat[0]
         most = _OFF * fine / coarse
-        found = circle(flat)
+        found = fit_circle(flat)
         if found is None:
             return None
-        off, centre = min((_distance_off(flat, each), each) for each in near(found[0], 1))
+        off, centre = min((_distance_off(flat, each), each) for each in near_centres(found[0], 1))
         if off > most:
             return None
         spokes = flat - np.array(centre)

@@ -10,7 +10,7 @@
 import re
 
 from host_tools.programs.estimate import Estimate
-from host_tools.programs.gcode_time import Limits, estimate
+from host_tools.programs.gcode_time import Limits, estimate_seconds
 
 MOST_LINES = 30_000
 _PARTS = 32
@@ -23,7 +23,7 @@ def gcode_facts(lines, settings):
     found = {"lines": len(lines), "tools": tools_of(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
     if len(lines) <= MOST_LINES:
         answers = [f"${number}={value}" for number, value in settings.items()]
-        found.update(_time_fields(estimate(lines, Limits.of_settings(answers))), refused=_first_refusal(lines, answers))
+        found.update(_time_fields(estimate_seconds(lines, Limits.of_settings(answers))), refused=_first_refusal(lines, answers))
     return found
 
 

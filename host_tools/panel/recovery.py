@@ -118,13 +118,13 @@ class RecoverableJobs(StoredJobs):
     def _absent_offer(self, said):
         """The offer of a job that is not among those here, but that this PC has begun; None if there is none, or it has been done."""
         try:
-            record = Record.of(said)
+            record = Record.of_answer(said)
         except Failure:
             return None
-        name, last = program_names.find(record.job)
+        name, last = program_names.name_of_number(record.job)
         if not name or not record.line or record.done and record.line >= last or (name, record.line) == self._left:
             return None
-        return {"name": name, "line": record.line, "known": record.known, "next": "", "absent": True}
+        return {"name": name, "line": record.line, "known": record.is_known, "next": "", "absent": True}
 
     # --- orders
 

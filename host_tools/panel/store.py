@@ -119,7 +119,7 @@ class Store:
             if key not in self._programs:
                 try:
                     lines = gcode_file.read(path, job=True)
-                    self._programs[key] = lines, stored_job.crc(stored_job.gcode_lines(lines))
+                    self._programs[key] = lines, stored_job.crc_of(stored_job.gcode_lines(lines))
                 except Failure:
                     self._programs[key] = None
             if self._programs[key]:
@@ -150,7 +150,7 @@ class Store:
             data = stored_job.gcode_job(path)
         except Failure as failure:
             return not_a_job(failure)
-        return len(data), stored_job.crc(data), stored_job.pack(data)
+        return len(data), stored_job.crc_of(data), stored_job.pack_job(data)
 
     def text(self, name, at):
         """(text from byte `at` on, at most 32 kB, and how many bytes there are), or the number of an error."""

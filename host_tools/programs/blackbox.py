@@ -1,8 +1,8 @@
 """A board's black box, as firmware/passo/options/blackbox/control.py keeps it: read, and said as text.
 
     files = {name: bytes}                   # blackbox.bin, board.py, settings.0, settings.1, crash.txt, as far as the board has them
-    path.write_bytes(pack(files))         # one file
-    box = Box.of(unpack(path.read_bytes()))
+    path.write_bytes(pack_files(files))         # one file
+    box = Box.from_files(unpack_files(path.read_bytes()))
     box.rows, box.snapshots, box.text       # Row, Snapshot; the bytes of the link from `box.base` on
     box.start()                             # the snapshot from which it can be replayed
 """
@@ -57,7 +57,7 @@ class Snapshot:
     modal: list  # as protocols/grbl/log.py writes it
 
     @property
-    def play(self):
+    def backlash_taken(self):
         """Steps of backlash that were taken up at its position, of each axis."""
         return [self.flags >> 3 + 7 * axis & 127 for axis in range(len(self.position))]
 
@@ -78,7 +78,7 @@ class Box:
     table: dict = None  # the board file's, unchecked
 
     @classmethod
-    def of(cls, files, older=False):
+    def from_files(cls, files, older=False):
         """The newest box of a board's files, or the one before. Raises Failure if there is none."""
         if FILE not in files or BOARD_FILE not in files:
             raise Failure("there is no black box in it: {} and {} are wanted", FILE, BOARD_FILE)
@@ -104,10 +104,10 @@ class Box:
 
     def _before_stops(self, snapshot):
         """True if the machine had come to where `snapshot` begins before it stopped next: lines wait in a queue."""
-        stop = next((row for row in self.since(snapshot) if row.kind in PLACES), None)
+        stop = next((row for row in self.rows_since(snapshot) if row.kind in PLACES), None)
         return stop is None or stop.value >= snapshot.added
 
-    def since(self, snapshot):
+    def rows_since(self, snapshot):
         """Rows behind a snapshot, and samples among them, by their time."""
         rows = self.rows[max(snapshot.rows - self.first, 0) :]
         samples = [row for row in self.samples if row.ms >= snapshot.ms and (row.taken > snapshot.taken or row.value >= snapshot.added)]
@@ -135,7 +135,7 @@ def file_of(why, numbers, text):
     return box_head(why) + numbers + text
 
 
-def pack(files):
+def pack_files(files):
     """{name: bytes} as the bytes of one file, a ZIP archive."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -144,7 +144,7 @@ def pack(files):
     return made.getvalue()
 
 
-def unpack(data):
+def unpack_files(data):
     """{name: bytes} of such a file. Raises Failure."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
@@ -165,27 +165,27 @@ def read(data, board):
         raise Failure("this black box is of another version of Passo than these tools")
     added, taken = numbers[BOX_ADDED], numbers[BOX_TAKEN]
     oldest = max(added - BOX_ROWS, 0)
-    rows = [_row(numbers, BOX_HEAD + count % BOX_ROWS * BOX_ROW, board, platform) for count in range(oldest, added)]
+    rows = [_row_of(numbers, BOX_HEAD + count % BOX_ROWS * BOX_ROW, board, platform) for count in range(oldest, added)]
     sampled = numbers[BOX_SAMPLED]
     places = [BOX_ROWS + count % BOX_SAMPLES for count in range(max(sampled - BOX_SAMPLES, 0), sampled)]
-    samples = [_row(numbers, BOX_HEAD + place * BOX_ROW, board, platform) for place in places]
-    snapshots = [_snapshot(numbers, BOX_FIRST + count % BOX_SNAPSHOTS * BOX_SNAPSHOT, board) for count in range(max(taken - BOX_SNAPSHOTS, 0), taken)]
+    samples = [_row_of(numbers, BOX_HEAD + place * BOX_ROW, board, platform) for place in places]
+    snapshots = [_snapshot_of(numbers, BOX_FIRST + count % BOX_SNAPSHOTS * BOX_SNAPSHOT, board) for count in range(max(taken - BOX_SNAPSHOTS, 0), taken)]
     text = rest[4 * BOX_NUMBERS :][: numbers[BOX_END]]
     return Box(why, board, rows, samples, oldest, snapshots, numbers[BOX_BASE], text, numbers[BOX_BASE] + numbers[BOX_AT])
 
 
-def _row(numbers, at, board, platform):
+def _row_of(numbers, at, board, platform):
     fields = numbers[at : at + BOX_ROW]
     kind = fields[0] & 0xFF
     row = Row(kind, fields[1], fields[2], fields[3], fields[4], list(fields[5 : 5 + len(board["axes"])]) if kind in PLACES else [])
     if kind == SAMPLE:
         row.override, row.state = fields[0] >> 8 & 0xFF, STATES[fields[0] >> 16]
     if kind == INPUTS:
-        row.levels = _levels(fields[4] | fields[5] << 16, board, platform)
+        row.levels = _input_levels(fields[4] | fields[5] << 16, board, platform)
     return row
 
 
-def _levels(bits, board, platform):
+def _input_levels(bits, board, platform):
     """{input: active} of `bits` from port.levels(). On an RP2 bit n is pin n; elsewhere the last input is bit 0, the one before it bit 1, and
     so on. A bit is the level of its pin; on an ESP32 1 is active."""
     inputs = board["inputs"]
@@ -195,6 +195,6 @@ def _levels(bits, board, platform):
     return {item["name"]: (bits >> place & 1) == (1 if platform == "esp32" else item["active"]) for item, place in zip(inputs, places)}
 
 
-def _snapshot(numbers, at, board):
+def _snapshot_of(numbers, at, board):
     fields = numbers[at : at + BOX_SNAPSHOT]
     return Snapshot(*fields[:5], list(fields[5 : 5 + len(board["axes"])]), list(fields[9:]))

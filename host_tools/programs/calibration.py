@@ -103,13 +103,13 @@ def read(path):
     for number, line in enumerate(text.splitlines(), 1):
         fields = re.split(r"[\s,;]+", line.partition("#")[0].strip().lower())
         if fields != [""] and fields[0] != "axis":
-            rows.append(_row(f"{path}:{number}", fields))
+            rows.append(_parse_row(f"{path}:{number}", fields))
     if not rows:
         raise Failure("{} has no line with a length: {}", path, _(_FORM))
     return rows
 
 
-def _row(where, fields):
+def _parse_row(where, fields):
     axis, *rest = fields
     diagonal = re.fullmatch(r"([xyza])([xyza])[+-]", axis)
     if not (diagonal and diagonal[1] != diagonal[2]) and axis not in ("x", "y", "z", "a"):
@@ -175,11 +175,11 @@ def fit_axis(rows, steps_per_mm, reading=READING_MM):
     return Fit(
         axis, right, right * u_scale / scale, scale, u_scale, float(solution[1]), u_backlash, split,
         float(solution[2]) if split else 0.0, list(zip(lengths, measured, rest, sigma)), chi2, freedom, chance,
-        _verdict(scale, u_scale, chance),
+        _verdict_of(scale, u_scale, chance),
     )  # fmt: skip
 
 
-def _verdict(scale, u_scale, chance):
+def _verdict_of(scale, u_scale, chance):
     if chance is None:
         return "unknown"
     if chance < DOUBT:
@@ -225,22 +225,22 @@ def square_waves(axis, lengths, count, spacing=4.0):
     y) for each length, `spacing` mm apart on the other axis; each stroke is after a turn. To a length's first point the tool is off."""
     found, across = [], 0.0
 
-    def add(length, along):
+    def add_point(length, along):
         found.append((length, along, across) if axis == "x" else (length, across, along))
 
     for length in lengths:
-        add(length, 0.0)
+        add_point(length, 0.0)
         for stroke in range(count):
             along = float(length) if stroke % 2 == 0 else 0.0
-            add(None, along)
+            add_point(None, along)
             if stroke < count - 1:
                 across += spacing
-                add(None, along)
+                add_point(None, along)
         across += 3 * spacing
     return found
 
 
-def pattern(axis, lengths, count, feed):
+def pattern_lines(axis, lengths, count, feed):
     """These square waves as lines of G-code, at `feed` mm/min. M3 lowers the pen, M5 lifts it."""
     lines, before = ["G21 G90 G94", "M5"], None
     for length, x, y in square_waves(axis, lengths, count):

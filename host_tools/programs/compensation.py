@@ -1,7 +1,7 @@
 """The path of a tool's centre beside a contour of lines and arcs: radius compensation.
 
     contour = [Piece(0, 10), Piece(10, 10 + 5j, …)]
-    for piece, number in offset(contour, LEFT, 3.0): …        # `number` of the contour's piece that it belongs to
+    for piece, number in offset_contour(contour, LEFT, 3.0): …        # `number` of the contour's piece that it belongs to
 
 Points are complex numbers, x + y·j, in mm. Outside corners get an arc around the corner, at inside corners the tool turns where
 it touches both sides. An inside corner or arc that the tool does not fit into is refused, never rounded over.
@@ -58,17 +58,17 @@ class Piece:
     def length(self):
         return abs(self.end - self.start) if self.centre is None else self.radius * self.sweep
 
-    def direction(self, at):
+    def direction_at(self, at):
         """The unit vector along the piece at its point `at`."""
         if self.centre is None:
             return (self.end - self.start) / abs(self.end - self.start)
         return (at - self.centre) / abs(at - self.centre) * (-1j if self.clockwise else 1j)
 
-    def beside(self, at, distance):
+    def point_beside(self, at, distance):
         """The point `distance` to the left of the piece at its point `at`."""
-        return at + 1j * self.direction(at) * distance
+        return at + 1j * self.direction_at(at) * distance
 
-    def points(self, sag=_SAG):
+    def chord_points(self, sag=_SAG):
         """Points on the piece, whose chords are at most `sag` away from it."""
         if self.centre is None:
             return [self.start, self.end]
@@ -89,148 +89,148 @@ def _on_bisector(start, end, centre):
     return centre - along * ((centre - middle) * along.conjugate()).real
 
 
-def _cross(a, b):
+def _cross_product(a, b):
     return (a.conjugate() * b).imag
 
 
-def _dot(a, b):
+def _dot_product(a, b):
     return (a.conjugate() * b).real
 
 
-def offset(contour, side, radius):
+def offset_contour(contour, side, radius):
     """[(piece, number in the contour)] beside the contour; its first begins, and its last ends, square to the contour. Raises
     ProgramError, without a detail if it is a pair of pieces; its `pieces` are their numbers."""
     path = []
     for number, piece in enumerate(contour):
-        beside = _beside(piece, side * radius)
+        beside = _offset_piece(piece, side * radius)
         if beside is None:
             if piece.radius < radius - SMALL:
-                raise _misfit(number, number, "radius {:.3f} of the arc, {:.3f} of the tool", piece.radius, radius)
+                raise _misfit_error(number, number, "radius {:.3f} of the arc, {:.3f} of the tool", piece.radius, radius)
             continue  # the tool turns on the spot: it has the arc's own radius
         if path:
             before, origin = path[-1]
             corner = contour[number - 1].end
-            turn = side * _turn(contour[number - 1], piece)
+            turn = side * _turn_sine(contour[number - 1], piece)
             if turn < -_SMOOTH or math.isnan(turn):
                 path.append((Piece(before.end, beside.start, corner, side == LEFT), number))
             elif turn > _SMOOTH or origin != number - 1:
-                path[-1], beside = _meet(path[-1], beside, number)
+                path[-1], beside = _join_at_crossing(path[-1], beside, number)
             else:
-                beside = _shorten(beside, before.end, beside.end, beside.whole)
+                beside = _cut_piece(beside, before.end, beside.end, beside.whole)
         path.append((beside, number))
     return path
 
 
-def _turn(before, piece):
+def _turn_sine(before, piece):
     """Sine of the angle by which the contour turns left between two pieces. If it turns back: 2 or -2, to the left or the right by the points
     beside the corner; nan if it goes back on itself."""
-    into, out = before.direction(before.end), piece.direction(piece.start)
-    sine = _cross(into, out)
-    if abs(sine) > _SMOOTH or _dot(into, out) > 0:
+    into, out = before.direction_at(before.end), piece.direction_at(piece.start)
+    sine = _cross_product(into, out)
+    if abs(sine) > _SMOOTH or _dot_product(into, out) > 0:
         return sine
     # Back along a line: around its end, on either side. Two arcs that meet in a cusp have it on one side only.
-    behind, ahead = (each.points()[at] - before.end for each, at in ((before, -2), (piece, 1)))
-    between = _cross(-behind / abs(behind), ahead / abs(ahead))
+    behind, ahead = (each.chord_points()[at] - before.end for each, at in ((before, -2), (piece, 1)))
+    between = _cross_product(-behind / abs(behind), ahead / abs(ahead))
     return math.copysign(2, between) if abs(between) > SMALL else math.nan
 
 
-def lead(place, corner, start, side, radius):
+def lead_around(place, corner, start, side, radius):
     """The way from `place` to `start`, which lies a radius beside `corner`, that never comes nearer to the corner: a line that
     touches the circle around it, then along the circle. None if `place` is too near."""
     away = place - corner
     if abs(away) < radius:
         return None
-    if _dot(start - place, start - corner) <= 0:
+    if _dot_product(start - place, start - corner) <= 0:
         return [Piece(place, start)]
     touch = corner + cmath.rect(radius, cmath.phase(away) - side * math.acos(radius / abs(away)))
     return [Piece(place, touch), Piece(touch, start, corner, side == LEFT)]
 
 
-def alongside(entry, first, path, side, radius):
+def lead_alongside(entry, first, path, side, radius):
     """The way in that ends beside the end of `entry`, whose start is the tool's centre and whose end its edge, in its direction; then around the
     corner to the start of `path`. At an inside corner `path` begins later. `first`: the contour's first piece, or None. Raises ProgramError."""
-    into = entry.direction(entry.end)
+    into = entry.direction_at(entry.end)
     end = entry.end + 1j * into * side * radius
-    way = Piece(entry.start, end) if entry.centre is None else _touching(entry, end, into, radius)
+    way = Piece(entry.start, end) if entry.centre is None else _tangent_arc(entry, end, into, radius)
     if first is None:
         return [way]
-    turn = side * _turn(entry, first)
+    turn = side * _turn_sine(entry, first)
     if turn < -_SMOOTH or math.isnan(turn):
         return [way, Piece(end, path[0][0].start, first.start, side == LEFT)]
     if turn > _SMOOTH:
-        (way, _), beside = _meet((way, 0), path[0][0], 0)
+        (way, _), beside = _join_at_crossing((way, 0), path[0][0], 0)
         path[0] = beside, path[0][1]
     return [way]
 
 
-def _touching(entry, end, into, radius):
+def _tangent_arc(entry, end, into, radius):
     """The arc from the start of `entry` that arrives at `end` in the direction `into`."""
     inward = into * (-1j if entry.clockwise else 1j)
     off = entry.start - end
-    height = _dot(inward, off)
+    height = _dot_product(inward, off)
     if height < SMALL:
         raise ProgramError(ENTRY, "the arc's radius is {:.3f}, the tool's {:.3f}", entry.radius, radius)
-    return Piece(entry.start, end, end + inward * (_dot(off, off) / (2 * height)), entry.clockwise)
+    return Piece(entry.start, end, end + inward * (_dot_product(off, off) / (2 * height)), entry.clockwise)
 
 
-def _misfit(first, second, detail="", *values):
+def _misfit_error(first, second, detail="", *values):
     error = ProgramError(DOES_NOT_FIT, detail, *values)
     error.pieces = (first, second)
     return error
 
 
-def _beside(piece, left):
+def _offset_piece(piece, left):
     """The piece moved `left` mm to its left; None if nothing is left of an arc."""
     if piece.centre is not None:
         if piece.radius + (left if piece.clockwise else -left) < SMALL:
             return None
-    return _shorten(piece, piece.beside(piece.start, left), piece.beside(piece.end, left), piece.whole)
+    return _cut_piece(piece, piece.point_beside(piece.start, left), piece.point_beside(piece.end, left), piece.whole)
 
 
-def _shorten(piece, start, end, whole=False):
+def _cut_piece(piece, start, end, whole=False):
     moved = Piece.__new__(Piece)
     moved.start, moved.end, moved.centre, moved.clockwise, moved.whole = start, end, piece.centre, piece.clockwise, whole
     return moved
 
 
-def _meet(before, beside, number):
+def _join_at_crossing(before, beside, number):
     """Two offset pieces around an inside corner, both cut off where they cross."""
     first, origin = before
     if abs(first.end - beside.start) < 10 * SMALL:
         return before, beside
-    found = [point for point in crossings(first, beside) if _within(first, point) and _within(beside, point)]
+    found = [point for point in crossings(first, beside) if _is_on_piece(first, point) and _is_on_piece(beside, point)]
     if not found:
-        raise _misfit(origin, number)
+        raise _misfit_error(origin, number)
     # Of two crossings the first one on the way: beyond it the tool would cut into the contour.
-    point = min(found, key=lambda point: _along(beside, point) - _along(first, point))
-    cut = _shorten(first, first.start, point)
+    point = min(found, key=lambda point: _distance_along(beside, point) - _distance_along(first, point))
+    cut = _cut_piece(first, first.start, point)
     if abs(cut.start - cut.end) < SMALL and first.whole:
-        raise _misfit(origin, number)
-    return (cut, origin), _shorten(beside, point, beside.end)
+        raise _misfit_error(origin, number)
+    return (cut, origin), _cut_piece(beside, point, beside.end)
 
 
-def _along(piece, point):
+def _distance_along(piece, point):
     if piece.centre is None:
-        return _dot(piece.direction(piece.start), point - piece.start)
+        return _dot_product(piece.direction_at(piece.start), point - piece.start)
     return piece.angle_to(point) * piece.radius
 
 
-def _within(piece, point):
+def _is_on_piece(piece, point):
     """True if `point`, which lies on the line or circle of the piece, lies on the piece."""
     if min(abs(point - piece.start), abs(point - piece.end)) < SMALL:
         return True
     if piece.centre is None:
-        return abs(piece.end - piece.start) > SMALL and 0 < _along(piece, point) < piece.length
+        return abs(piece.end - piece.start) > SMALL and 0 < _distance_along(piece, point) < piece.length
     return piece.angle_to(point) <= piece.sweep
 
 
 def crossings(a, b):
     """The points where the lines and circles of two pieces cross; one for circles that touch."""
     if a.centre is None and b.centre is None:
-        across = _cross(a.end - a.start, b.end - b.start)
+        across = _cross_product(a.end - a.start, b.end - b.start)
         if abs(across) < SMALL * SMALL:
             return []
-        return [a.start + (a.end - a.start) * (_cross(b.start - a.start, b.end - b.start) / across)]
+        return [a.start + (a.end - a.start) * (_cross_product(b.start - a.start, b.end - b.start) / across)]
     if a.centre is None:
         return _line_and_circle(a, b)
     if b.centre is None:
@@ -240,18 +240,18 @@ def crossings(a, b):
     if distance < SMALL:
         return []
     along = (distance * distance + a.radius**2 - b.radius**2) / (2 * distance)
-    return _pair(a.centre + apart / distance * along, apart / distance * 1j, a.radius, along)
+    return _crossing_pair(a.centre + apart / distance * along, apart / distance * 1j, a.radius, along)
 
 
 def _line_and_circle(line, arc):
     if abs(line.end - line.start) < SMALL:
         return []
-    way = line.direction(line.start)
-    foot = line.start + way * _dot(way, arc.centre - line.start)
-    return _pair(foot, way, arc.radius, abs(foot - arc.centre))
+    way = line.direction_at(line.start)
+    foot = line.start + way * _dot_product(way, arc.centre - line.start)
+    return _crossing_pair(foot, way, arc.radius, abs(foot - arc.centre))
 
 
-def _pair(middle, way, radius, height):
+def _crossing_pair(middle, way, radius, height):
     square = radius * radius - height * height
     if square < -2 * radius * SMALL:
         return []
@@ -266,8 +266,8 @@ def gouges(path, contour, radius):
 
     if not path or not contour:
         return []
-    told = [LineString([(point.real, point.imag) for point in piece.points()]) for piece in contour]
-    ways = [LineString([(point.real, point.imag) for point in piece.points()]) for piece in path]
+    told = [LineString([(point.real, point.imag) for point in piece.chord_points()]) for piece in contour]
+    ways = [LineString([(point.real, point.imag) for point in piece.chord_points()]) for piece in path]
     least = radius - TOUCH
     of_path, of_contour = STRtree(told).query(ways, predicate="dwithin", distance=least)
     apart = distance(numpy.array(ways)[of_path], numpy.array(told)[of_contour])

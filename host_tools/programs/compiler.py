@@ -68,7 +68,7 @@ class Program:
 
     def rows(self):
         """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
-        rows = gcode_file.lines(self.path, self._note_end) if self.listing is None else iter(self.listing.lines())
+        rows = gcode_file.file_lines(self.path, self._note_end) if self.listing is None else iter(self.listing.lines())
         return self.flat(rows) if self.flat else rows
 
     def _note_end(self, number, behind):
@@ -87,7 +87,7 @@ class Program:
             return line_text(number)
         return _("{}, listing line {}", self.listing.origin(number) or self.name, number)
 
-    def place(self, number):
+    def place_text(self, number):
         """The same for the beginning of an error: "path/part.ngc:12"."""
         if self.listing is None:
             return f"{self.path}:{number}"
@@ -116,14 +116,14 @@ def text_of(path):
     return "\n".join(lines)
 
 
-def detect(path):
+def detect_dialect(path):
     """(dialect, why): "plain" if no word needs a compiler. A suffix .num decides; else the first line that says more. Raises
     Failure if there are words of both dialects."""
     suffix = path.suffix.lower()
     if suffix in _SUFFIXES:
         return _SUFFIXES[suffix], _("its name ends in {}", path.suffix)
     found = {}
-    for number, line in gcode_file.lines(path):
+    for number, line in gcode_file.file_lines(path):
         if line.startswith(b"$"):
             continue
         words = line.decode("ascii").upper().partition("S=")[0]  # behind it are a row's powers
@@ -143,7 +143,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False,
     path = Path(path)
     more = {}
     if dialect is None:
-        dialect = detect(path)[0]
+        dialect = detect_dialect(path)[0]
         if dialect == "plain":
             raise Failure("{} has no word of num or ngc: it can be sent as it is; --dialect compiles it all the same", path)
     if dialect not in DIALECTS:
@@ -159,7 +159,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False,
     else:
         from host_tools.programs.num.interpreter import compile_program
 
-    def find(label):
+    def find_subroutine(label):
         """A subroutine's file, its name a path from the program's folder or from `subs` there."""
         names = dict.fromkeys(f"{each}.ngc" for each in (label, label.lower()))
         for other in (folder / name for folder in (path.parent, path.parent / "subs") for name in names):
@@ -168,7 +168,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False,
         return None
 
     try:
-        texts = compile_program(path.name, text, listing, table, start or (), bound, find, skip, **more)
+        texts = compile_program(path.name, text, listing, table, start or (), bound, find_subroutine, skip, **more)
     finally:
         if listing.progress:
             listing.progress.end()
@@ -186,7 +186,7 @@ def read(path, dialect=None, tools=None, linear=False):
     if path.is_file():
         gcode_file.refuse_others_at(path)
     if dialect is None:
-        dialect, why = detect(path)
+        dialect, why = detect_dialect(path)
         if dialect == "plain" and tools:
             dialect, why = "ngc", _("there is a tool table")
     if dialect == "plain":
@@ -196,7 +196,7 @@ def read(path, dialect=None, tools=None, linear=False):
     return program
 
 
-def fit(program, about, tools=None):
+def fit_to_machine(program, about, tools=None):
     """The program for a machine that answers `about` to `$I`: compiled anew if it has A in G20 and the machine's A is linear."""
     if program.listing is None or not program.listing.turns_in_inches or "[AXS:4" not in "".join(about) or "[ROTARY:" in "".join(about):
         return program
@@ -205,7 +205,7 @@ def fit(program, about, tools=None):
     return fitted
 
 
-def tell(program):
+def print_notes(program):
     """Say on stderr that a program was compiled, if nobody asked for it, what its compiler warns of, and, once its rows have been read, what follows its
     end."""
     if program.reason:

@@ -12,7 +12,7 @@ behind, as controllers look ahead; a piece too near beyond these is a warning, b
 import math
 
 from host_tools.language import _
-from host_tools.programs.compensation import SMALL, TOUCH, Piece, alongside, gouges, lead, offset
+from host_tools.programs.compensation import SMALL, TOUCH, Piece, lead_alongside, gouges, lead_around, offset_contour
 from host_tools.programs.program_errors import (
     ARC, COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, ProgramError,
 )  # fmt: skip
@@ -42,44 +42,44 @@ class Contour:
         self._end = None  # of the contour
         self._kept = {}  # by height: the areas that the contour leaves
 
-    def word(self, code, source):
+    def add_word(self, code, source):
         self._motions.append(_Motion(source, code=code))
 
-    def moves(self, target):
+    def moves_in_plane(self, target):
         """True if a target is one in the contour's plane."""
         return target[self.axes[0]] is not None or target[self.axes[1]] is not None
 
-    def _flat(self, place):
+    def _in_plane(self, place):
         return complex(place[self.axes[0]], place[self.axes[1]])
 
-    def _target(self, first, second, height):
+    def _target_of(self, first, second, height):
         target = [None] * 3
         for axis, value in zip(self.axes, (first, second, height)):
             target[axis] = value
         return target
 
-    def line(self, begin, end, target, rapid, feed, source):
+    def add_line(self, begin, end, target, rapid, feed, source):
         """A straight motion of the program, from `begin` to `end`."""
         first, second, third = self.axes
         heights = begin[third], end[third]
         ends = begin[first], begin[second], end[first], end[second]
-        if not self.moves(target) or ends[:2] == ends[2:]:
+        if not self.moves_in_plane(target) or ends[:2] == ends[2:]:
             if target[third] is not None:
                 self._motions.append(_Motion(source, None, heights, rapid, feed))
             return
         if None in ends:
             self._path.place = begin
             self._path.position(first), self._path.position(second)
-        piece = Piece(self._flat(begin), self._flat(end))
+        piece = Piece(self._in_plane(begin), self._in_plane(end))
         if piece.length > SMALL:
             self._motions.append(_Motion(source, piece, heights, rapid, feed))
 
-    def arc(self, begin, end, plane, clockwise, centre, feed, sweep, turns, source):
+    def add_arc(self, begin, end, plane, clockwise, centre, feed, sweep, turns, source):
         if plane != self.plane:
             raise ProgramError(COMPENSATED, "another plane")
         if turns > 1:
             raise ProgramError(COMPENSATED, "arcs of several turns")
-        start, last = self._flat(begin), self._flat(end)
+        start, last = self._in_plane(begin), self._in_plane(end)
         if sweep > math.pi and abs(last - start) < _SHORTEST:
             piece = Piece(start, start, start + complex(*centre), clockwise, True)
             if not any(motion.piece for motion in self._motions):
@@ -99,26 +99,26 @@ class Contour:
         pieces = [motion for motion in self._motions if motion.piece]
         if not pieces:
             for motion in self._motions:
-                self._still(motion)
+                self._put_still(motion)
             return False
         entry, told = pieces[0], pieces[1:]
         self._told = told
         contour = [motion.piece for motion in told]
         path = []
         try:
-            path = offset(contour, self.side, self.radius)
+            path = offset_contour(contour, self.side, self.radius)
         except ProgramError as error:
             first, second = (told[number].source for number in error.pieces)
             if error.args[0]:
-                raise error.at(second) from None
+                raise error.name_place(second) from None
             lines = first.line, second.line
             raise ProgramError(DOES_NOT_FIT, "a tool of radius {:g} between lines {} and {}", self.radius, *lines, place=second) from None
         if contour and not path:
             raise ProgramError(DOES_NOT_FIT, "a hole of the tool's own radius", place=told[0].source)
         self._end = contour[-1].end if contour else entry.piece.end
         way_in = self._way_in(entry, path)
-        self._check(path, None, GOUGES)
-        self._put(entry, way_in, path)
+        self._check_gouges(path, None, GOUGES)
+        self._put_contour(entry, way_in, path)
         return True
 
     def _way_in(self, entry, path):
@@ -127,31 +127,31 @@ class Contour:
         refused = None
         if entry.piece.centre is None and path:
             try:
-                return self._lead(entry.piece.start, first.start, path[0][0].start, self.side, entry, ENTRY_GOUGES)
+                return self._lead_pieces(entry.piece.start, first.start, path[0][0].start, self.side, entry, ENTRY_GOUGES)
             except ProgramError as error:
                 refused = error
         try:
-            pieces = alongside(entry.piece, first, path, self.side, self.radius)
-            self._check([(piece, None) for piece in pieces], entry, ENTRY_GOUGES)
+            pieces = lead_alongside(entry.piece, first, path, self.side, self.radius)
+            self._check_gouges([(piece, None) for piece in pieces], entry, ENTRY_GOUGES)
         except ProgramError as error:
-            raise refused or error.at(entry.source) from None
+            raise refused or error.name_place(entry.source) from None
         return pieces
 
-    def _lead(self, place, corner, start, side, motion, error):
+    def _lead_pieces(self, place, corner, start, side, motion, error):
         """The pieces from `place` to `start`: a straight line if that cuts nothing, else around the contour's end. Raises ProgramError
         with the number `error`."""
         straight = [Piece(place, start)]
-        around = lead(place, corner, start, side, self.radius)
+        around = lead_around(place, corner, start, side, self.radius)
         try:
-            self._check([(straight[0], None)], motion, error)
+            self._check_gouges([(straight[0], None)], motion, error)
             return straight
         except ProgramError:
             if around is None or len(around) == 1:
                 raise
-        self._check([(piece, None) for piece in around], motion, error)
+        self._check_gouges([(piece, None) for piece in around], motion, error)
         return around
 
-    def _check(self, path, entry, error):
+    def _check_gouges(self, path, entry, error):
         """Raises ProgramError if the tool cuts into the contour."""
         contour = [motion.piece for motion in self._told]
         warned = set()
@@ -162,10 +162,10 @@ class Contour:
                 continue
             kept = self._remainder_under(motion)
             disputed = motion in (self._told[0], self._told[-1]) and kept.reaches_disputed(path[at][0], self.radius)
-            if kept.known and not kept.reaches(path[at][0], self.radius) and not kept.doubtful and not disputed:
+            if kept.known and not kept.reaches_area(path[at][0], self.radius) and not kept.doubtful and not disputed:
                 continue
             line = self._told[against].source.line
-            if kept.reaches(path[at][0], self.radius) if kept.known else entry or abs(number - against) <= LOOK_AHEAD:
+            if kept.reaches_area(path[at][0], self.radius) if kept.known else entry or abs(number - against) <= LOOK_AHEAD:
                 raise ProgramError(error, "{:.3f} mm from line {}, with a tool of radius {:g}", far, line, self.radius, place=motion.source)
             if (motion.source, self._told[against].source) not in warned:
                 warned.add((motion.source, self._told[against].source))
@@ -182,54 +182,54 @@ class Contour:
             self._kept[level] = UncutAreas([told.piece for told in self._told if not _above(motion, told)], self.side)
         return self._kept[level]
 
-    def leave(self, begin, place, rapid, feed, source):
+    def put_way_out(self, begin, place, rapid, feed, source):
         """Append what comes before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""
-        here, there, third = self._flat(begin), self._flat(place), self.axes[2]
+        here, there, third = self._in_plane(begin), self._in_plane(place), self.axes[2]
         if abs(here - there) < SMALL:
             return
         motion = _Motion(source, None, (begin[third], place[third]), rapid, feed)
-        pieces = self._lead(there, self._end, here, -self.side, motion, EXIT_GOUGES)
+        pieces = self._lead_pieces(there, self._end, here, -self.side, motion, EXIT_GOUGES)
         if len(pieces) == 2:
             arc = pieces[1]
-            self._go(Piece(arc.end, arc.start, arc.centre, not arc.clockwise), motion, begin[third])
+            self._put_piece(Piece(arc.end, arc.start, arc.centre, not arc.clockwise), motion, begin[third])
 
-    def _put(self, entry, way_in, path):
+    def _put_contour(self, entry, way_in, path):
         at = 0
         number = -1  # of the contour's piece under way
         for motion in self._motions:
             if not motion.piece:
-                self._still(motion)
+                self._put_still(motion)
                 continue
             if motion is entry:
                 for piece in way_in:
-                    self._go(piece, motion, motion.heights[1])
+                    self._put_piece(piece, motion, motion.heights[1])
                 continue
             number += 1
             while at < len(path) and path[at][1] == number:
                 piece, _ = path[at]
                 last = at + 1 == len(path) or path[at + 1][1] != number
-                self._go(piece, motion, motion.heights[1] if last else motion.heights[0])
+                self._put_piece(piece, motion, motion.heights[1] if last else motion.heights[0])
                 at += 1
-            self._path.put_line(self._target(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
+            self._path.put_line(self._target_of(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
 
-    def _go(self, piece, motion, height):
+    def _put_piece(self, piece, motion, height):
         """One piece of the path, at its end at `height`."""
-        end = self._target(piece.end.real, piece.end.imag, height)
+        end = self._target_of(piece.end.real, piece.end.imag, height)
         if piece.centre is None:
             self._path.put_line(end, motion.rapid, motion.feed, motion.source)
         elif motion.rapid:
-            for point in piece.points(_RAPID_SAG)[1:]:
-                self._path.put_line(self._target(point.real, point.imag, height), True, 0.0, motion.source)
+            for point in piece.chord_points(_RAPID_SAG)[1:]:
+                self._path.put_line(self._target_of(point.real, point.imag, height), True, 0.0, motion.source)
         elif piece.length > _SHORTEST:
             centre = piece.centre - piece.start
             self._path.put_arc(self.plane, piece.clockwise, end, (centre.real, centre.imag), motion.feed, piece.sweep, 1, motion.source)
 
-    def _still(self, motion):
+    def _put_still(self, motion):
         """A motion of Z alone, or a word."""
         if motion.code:
-            self._path.listing.add(motion.code, motion.source)
+            self._path.listing.add_line(motion.code, motion.source)
         else:
-            self._path.put_line(self._target(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
+            self._path.put_line(self._target_of(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
 
 
 def _above(motion, told):

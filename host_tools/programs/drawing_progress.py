@@ -1,7 +1,7 @@
 """A drawing as the board's journal knows it: points counted through all its objects; and as a file of packets.
 
     spot = spot_of(record, objects)         # where it goes on
-    announce(client, objects, spot)         # what comes next is that drawing
+    announce_rest(client, objects, spot)         # what comes next is that drawing
     client.point(False, *spot.start(objects))
 """
 
@@ -85,16 +85,16 @@ def spot_of(record, objects):
     if record.done and line >= len(points) and (not points or points[-1][1:] == position):
         raise Failure("the drawing was done to its end")
     if not line or not record.done and line == 1:
-        return _spot(objects, 0, None)
+        return _spot_after(objects, 0, None)
     for done in range(line, max(line - _REPEATED, 0), -1):
         if done > len(points):
             continue
         down, *end = points[done - 1]
         if record.done:
             if tuple(end) == position:
-                return _spot(objects, done, None)
-        elif done > 1 and _on(points[done - 2][1:], end, position):
-            return _spot(objects, done - 1, position if down else None)
+                return _spot_after(objects, done, None)
+        elif done > 1 and _is_on_line(points[done - 2][1:], end, position):
+            return _spot_after(objects, done - 1, position if down else None)
     raise Failure("the journal's place is not on the drawing's lines: passo draw --continue draws the line again")
 
 
@@ -103,7 +103,7 @@ def spot_at(objects, number, drawn):
     return Spot(number, drawn, sum(len(points) for points in objects[:number]) + drawn)
 
 
-def _spot(objects, done, position):
+def _spot_after(objects, done, position):
     left = done
     for number, points in enumerate(objects):
         if left < len(points) or number + 1 == len(objects):
@@ -112,7 +112,7 @@ def _spot(objects, done, position):
     return Spot(0, 0)
 
 
-def _on(start, end, position):
+def _is_on_line(start, end, position):
     """True if a position is on a line, to a step."""
     length = [to - at for at, to in zip(start, end)]
     way = [to - at for at, to in zip(start, position)]
@@ -121,7 +121,7 @@ def _on(start, end, position):
     return abs(way[0] * length[1] - way[1] * length[0]) <= max(abs(length[0]), abs(length[1]))
 
 
-def announce(client, objects, spot):
+def announce_rest(client, objects, spot):
     """Tell a board with a journal that the rest of the drawing begins; a point to come leads to `spot.start`, if anything is done."""
     line = f"$JR={number_of(objects):08x},{spot.done + 1 if spot.position else spot.done},{0 if spot.position else DONE},{1 if spot.done else 0}"
     if spot.done:

@@ -2,7 +2,7 @@
 RS274/NGC.
 
     cycle = Cycle(83, above=2.0, bottom=-10.0, feed=100.0, peck=3.0)
-    cycle.hole(path, [5.0, 5.0])        # the tool is above that position, at `above` or higher; ends at `back`
+    cycle.put_hole(path, [5.0, 5.0])        # the tool is above that position, at `above` or higher; ends at `back`
 """
 
 from dataclasses import dataclass
@@ -27,52 +27,52 @@ class Cycle:
     axes: tuple = (0, 1, 2)  # first and second of the plane, and the one along the hole
     spindle: str = ""  # M3 or M4, what it turns by
 
-    def hole(self, path, position):
+    def put_hole(self, path, position):
         """One hole at `position`, on the plane's axes."""
-        self._go(path, (*position, self.over), True)
+        self._move_to(path, (*position, self.over), True)
         self.over = None
-        self._z(path, self.above, True)
+        self._move_z(path, self.above, True)
         if self.code in (73, 83):
-            self._pecks(path)
+            self._put_pecks(path)
         else:
-            self._z(path, self.bottom, False)
+            self._move_z(path, self.bottom, False)
         turned = {"M3": "M4", "M4": "M3"}.get(self.spindle, "")
         if self.code in (74, 84):  # a tap turns back before it dwells, others dwell before the spindle stops
-            path.word("M5")
-            path.word(turned)
+            path.put_word("M5")
+            path.put_word(turned)
         if self.dwell:
-            path.word(f"G4 P{self.dwell:g}")
+            path.put_word(f"G4 P{self.dwell:g}")
         if self.code in (86, 88):
-            path.word("M5")
+            path.put_word("M5")
         if self.code == 88:
-            path.word("M0")
+            path.put_word("M0")
         if self.code == 85 or self.code in (74, 84, 89) and self.back is None:
-            self._z(path, self.above, False)
+            self._move_z(path, self.above, False)
         elif self.code in (74, 84, 89):  # a tap turns back all the way
-            self._z(path, self.back, False)
-        self._z(path, self.above if self.back is None else self.back, True)
+            self._move_z(path, self.back, False)
+        self._move_z(path, self.above if self.back is None else self.back, True)
         if self.code in (74, 84):
-            path.word("M5")
+            path.put_word("M5")
         if self.code in (74, 84, 86, 88):
-            path.word(self.spindle)
+            path.put_word(self.spindle)
 
-    def _pecks(self, path):
+    def _put_pecks(self, path):
         reached = self.above
         while reached - self.peck > self.bottom + 1e-9:
             reached -= self.peck
-            self._z(path, reached, False)
+            self._move_z(path, reached, False)
             if self.code == 73:
-                self._z(path, reached + BACK_OFF_MM, True)
+                self._move_z(path, reached + BACK_OFF_MM, True)
             else:
-                self._z(path, self.above, True)
-                self._z(path, min(self.above, reached + BACK_OFF_MM), True)
-        self._z(path, self.bottom, False)
+                self._move_z(path, self.above, True)
+                self._move_z(path, min(self.above, reached + BACK_OFF_MM), True)
+        self._move_z(path, self.bottom, False)
 
-    def _z(self, path, height, rapid):
-        self._go(path, (None, None, height), rapid)
+    def _move_z(self, path, height, rapid):
+        self._move_to(path, (None, None, height), rapid)
 
-    def _go(self, path, position, rapid):
+    def _move_to(self, path, position, rapid):
         target = [None] * 3
         for axis, value in zip(self.axes, position):
             target[axis] = value
-        path.move(target, rapid, 0.0 if rapid else self.feed)
+        path.move_to(target, rapid, 0.0 if rapid else self.feed)

@@ -31,7 +31,7 @@ class Estimate:
         x, y = start
         for down, to_x, to_y in points:
             delay = self._delay_s[down] if down != pen else 0.0
-            seconds.append(self._length(to_x - x, to_y - y) * self._step_s + delay)
+            seconds.append(self._path_length(to_x - x, to_y - y) * self._step_s + delay)
             pen, x, y = down, to_x, to_y
         return seconds
 
@@ -45,11 +45,11 @@ class Estimate:
         delays = len(lines) * self._delay_s[True] + (len(lines) - 1) * self._delay_s[False]
         return float(lengths.sum()) * self._step_s + delays
 
-    def _length(self, dx, dy):
+    def _path_length(self, dx, dy):
         return max(abs(dx), abs(dy)) if self._half_periods else math.hypot(dx, dy * self._y_in_x)
 
 
-def clock(seconds):
+def clock_text(seconds):
     """A duration as h:mm:ss or m:ss."""
     whole = max(0, round(seconds))
     hours, minutes = divmod(whole // 60, 60)

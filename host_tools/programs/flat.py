@@ -30,7 +30,7 @@ class _Heights:
         self._gcode = GCode("xyza", Offsets(4, Memory(machine)), self._board)
         self._gcode.turns = 1
 
-    def z(self):
+    def z_mm(self):
         """Of the program, mm."""
         return self._board.target[TOOL_AXIS] / _STEPS_PER_MM - self._gcode.offsets.of(self._gcode.system, TOOL_AXIS) / NM
 
@@ -57,7 +57,7 @@ def without_z(rows, pen=None):
     shown = _OFF
     switched = False
     for number, line in rows:
-        before = heights.z()
+        before = heights.z_mm()
         rises = heights.carry_out(line)
         spindle = heights.spindle()
         if pen is None:
@@ -66,16 +66,16 @@ def without_z(rows, pen=None):
                     "line {}, {}: the tool stays on while Z rises, and would go on without Z; if Z lifts a pen, give --z-pen 0: above 0 mm it is up",
                     number, line.decode("ascii", "replace"),
                 )  # fmt: skip
-            yield from _row(number, _flat(line))
+            yield from _rows_of(number, _drop_z(line))
             continue
         switched = switched or spindle != _OFF
-        text = _flat(line if line[:1] == b"$" else _TOOL.sub(b"", line))
-        for height, row in ((max(before, heights.z()), text), (heights.z(), b"")):
+        text = _drop_z(line if line[:1] == b"$" else _TOOL.sub(b"", line))
+        for height, row in ((max(before, heights.z_mm()), text), (heights.z_mm(), b"")):
             wanted = spindle if height <= pen else _OFF
             if wanted != shown:
                 yield number, b"M%d" % wanted
                 shown = wanted
-            yield from _row(number, row)
+            yield from _rows_of(number, row)
     if pen is not None and not switched:
         raise Failure("the program switches no tool on (M3 S…), so that no pen comes down")
 
@@ -92,7 +92,7 @@ def refuse_z(program, has_z):
         raise Failure("the machine has a Z axis: --drop-z and --z-pen are for machines without one")
 
 
-def _flat(line):
+def _drop_z(line):
     """A line without Z; Z0, which moves nothing, where a command wants an axis word."""
     if line[:1] == b"$" or not _Z.search(line):
         return line
@@ -100,5 +100,5 @@ def _flat(line):
     return text if _OTHERS.search(text) else _Z.sub(b"Z0", line)
 
 
-def _row(number, text):
+def _rows_of(number, text):
     return [(number, text)] if text else []

@@ -9,10 +9,10 @@ from host_tools.programs.program_lines import WrongLetter, job_error, name_lette
 def read(path, ended=None, job=False):
     """[(number, bytes)] of the lines to send, without comments, blanks, N words and the program's number. `ended`: see program_lines().
     `job`: refuse lines that no job may have. Raises Failure."""
-    return list((jobs_only if job else iter)(lines(path, ended)))
+    return list((jobs_only if job else iter)(file_lines(path, ended)))
 
 
-def lines(path, ended=None):
+def file_lines(path, ended=None):
     """The same one by one, for files that are too long to keep. Raises Failure as it comes to what is wrong."""
     try:
         with open(path, "rb") as file:
@@ -21,7 +21,7 @@ def lines(path, ended=None):
             if b"\0" in first:
                 raise _no_text(path)
             file.seek(0)
-            yield from lines_of(path, _rows(file, path), ended)
+            yield from lines_of(path, _raw_rows(file, path), ended)
     except OSError as error:
         raise Failure("cannot read {}: {}", path, reason(error)) from error
 
@@ -54,7 +54,7 @@ def jobs_only(rows):
         yield number, line
 
 
-def _rows(file, path):
+def _raw_rows(file, path):
     for raw in file:
         if b"\0" in raw:
             raise _no_text(path)
@@ -80,7 +80,7 @@ def last_number(path):
         raise Failure("cannot read {}: {}", path, reason(error)) from error
 
 
-def clock(seconds):
+def clock_text(seconds):
     """Seconds as h:mm:ss, or m:ss below an hour."""
     minutes, seconds = divmod(int(round(seconds)), 60)
     hours, minutes = divmod(minutes, 60)

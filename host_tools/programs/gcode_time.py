@@ -1,7 +1,7 @@
 """Estimates how long the lines of a G-code file take, roughly, before anything has moved.
 
     limits = Limits.of_settings(["$110=5000.000", …])
-    seconds = estimate(lines, limits)       # [(number, bytes)] → one figure a line
+    seconds = estimate_seconds(lines, limits)       # [(number, bytes)] → one figure a line
 
 A line takes its length at its feed rate, bounded by the axes' highest speeds and accelerations. At corners of 10° or
 more the machine is assumed to stop; between two stops it speeds up and slows down over as many lines as it takes. Offsets, probing,
@@ -69,7 +69,7 @@ class _State:
         return self.motion < 2 and self.scale == 1.0 and not self.relative and not self.inverse
 
 
-def estimate(lines, limits):
+def estimate_seconds(lines, limits):
     """Seconds that each of [(number, bytes)] takes."""
     state = _State()
     seconds = []
@@ -77,13 +77,13 @@ def estimate(lines, limits):
     before = None  # direction at the end of the previous line
     for index, (_, line) in enumerate(lines):
         plain = _ALONG_X.fullmatch(line) if state.is_plain() else None
-        dwell, move = _along_x(plain, state) if plain else _read(line.upper(), state)
+        dwell, move = _along_x(plain, state) if plain else _read_line(line.upper(), state)
         seconds.append(dwell)
         if dwell:
             before = None
         if move and move[0]:
             length, deltas, into, out, rapid, per_min = move
-            speed, acceleration = (limits.speeds[0], limits.accelerations[0]) if plain else _bounds(deltas, length, limits)
+            speed, acceleration = (limits.speeds[0], limits.accelerations[0]) if plain else _path_limits(deltas, length, limits)
             if per_min:
                 speed = min(speed, length * per_min / 60)
             elif not rapid and state.feed:
@@ -111,7 +111,7 @@ def _add_run(seconds, run):
         seconds[index] += (2 * peak - begin - end) / acceleration + max(0.0, length - ramps) / peak
 
 
-def _bounds(deltas, length, limits):
+def _path_limits(deltas, length, limits):
     """Highest speed and acceleration along a path with these axis distances."""
     shares = [abs(delta) / length for delta in deltas]
     return tuple(
@@ -121,7 +121,7 @@ def _bounds(deltas, length, limits):
 
 
 def _along_x(match, state):
-    """The same as _read() for a line of X alone."""
+    """The same as _read_line() for a line of X alone."""
     if match[1]:
         state.motion = int(match[1])
     x, begun = float(match[2]), state.place[0]
@@ -132,7 +132,7 @@ def _along_x(match, state):
     return 0.0, (abs(x - begun), None, direction, direction, state.motion == 0, 0.0)
 
 
-def _read(line, state):
+def _read_line(line, state):
     """(seconds of dwell, None or (length, way of each axis, direction in, direction out, rapid, moves a minute))."""
     if line.startswith(b"$"):
         return 0.0, None
@@ -166,14 +166,14 @@ def _read(line, state):
     begun, state.place = state.place, target
     per_min = values.get(b"F", 0.0) if state.inverse and state.motion else 0.0
     if arc:
-        return 0.0, (*_arc(begun, target, values, state), False, per_min)
+        return 0.0, (*_arc_length(begun, target, values, state), False, per_min)
     deltas = [to - at for to, at in zip(target, begun)]
     length = math.dist(target, begun)
     direction = [delta / length for delta in deltas]
     return 0.0, (length, deltas, direction, direction, state.motion == 0, per_min)
 
 
-def _arc(begun, target, values, state):
+def _arc_length(begun, target, values, state):
     """(length, way of each axis, direction in, direction out) of an arc or a helix."""
     first, second, third = state.plane
     across = target[first] - begun[first], target[second] - begun[second]
@@ -200,19 +200,19 @@ def _arc(begun, target, values, state):
     deltas[third] = rise
     turn = -1 if clockwise else 1
 
-    def direction(angle):
+    def direction_at(angle):
         found = [0.0] * 4
         found[first], found[second] = -turn * math.sin(angle), turn * math.cos(angle)
         return found
 
-    return length, deltas, direction(start), direction(end)
+    return length, deltas, direction_at(start), direction_at(end)
 
 
 class Remaining:
     """The time left of a job, from the estimate of its lines and the time that the finished ones have taken.
 
-    remaining = Remaining(estimate(lines, limits))
-    remaining.at(index, gone_s)         # seconds left in line `index` of the list, `gone_s` after the start
+    remaining = Remaining(estimate_seconds(lines, limits))
+    remaining.seconds_left(index, gone_s)         # seconds left in line `index` of the list, `gone_s` after the start
     remaining.share                     # of the job that is done, 0 … 1
     """
 
@@ -225,7 +225,7 @@ class Remaining:
         self._entered_s = 0.0  # when the line under way began
         self.share = 0.0
 
-    def at(self, index, gone_s):
+    def seconds_left(self, index, gone_s):
         total = self._until[-1]
         index = min(index, len(self._seconds))
         if index != self._index:

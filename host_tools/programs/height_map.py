@@ -1,9 +1,9 @@
 """A map of heights that a probe has touched, and jobs that follow it.
 
     grid = Grid(0, 0, 100, 80, 5, 4)
-    lines = grid.probing(safe=5, deep=3, feed=100)      # a job: one touch a point
-    grid.heights = [z, …]                               # work coordinates, in the order of grid.points()
-    text = level("G1 X10 Z-1\\n…", grid)                # the same job, its Z moved by the map's height
+    lines = grid.probing_lines(safe=5, deep=3, feed=100)      # a job: one touch a point
+    grid.heights = [z, …]                               # work coordinates, in the order of grid.probe_points()
+    text = level_job("G1 X10 Z-1\\n…", grid)                # the same job, its Z moved by the map's height
 
 Between points the height is bilinear, beyond the grid that of its edge. Lines and arcs (G17) become pieces of a quarter of a cell. Lines
 that it cannot follow (G91, cycles, arcs of other planes, an unknown position) raise Unfollowed: a job is levelled whole or not at all. It
@@ -34,7 +34,7 @@ class Grid:
         self.columns, self.rows = columns, rows
         self.heights = []
 
-    def points(self):
+    def probe_points(self):
         """(x, y) as they are touched: row after row, to and fro."""
         found = []
         for row in range(self.rows):
@@ -42,40 +42,40 @@ class Grid:
             found += [(self.x0 + column * self.dx, self.y0 + row * self.dy) for column in columns]
         return found
 
-    def probing(self, safe, deep, feed):
+    def probing_lines(self, safe, deep, feed):
         """Lines of the job that touches every point, from `safe` mm above zero of Z to `deep` below it."""
         lines = ["G21 G90 G94", "G0 Z%.3f" % safe]
-        for x, y in self.points():
+        for x, y in self.probe_points():
             lines += ["G0 X%.3f Y%.3f" % (x, y), "G38.2 Z%.3f F%.1f" % (-deep, feed), "G0 Z%.3f" % safe]
         return lines
 
-    def whole(self):
+    def is_whole(self):
         return len(self.heights) == self.columns * self.rows
 
-    def at(self, column, row):
+    def height_of(self, column, row):
         """Height of a point, by its column and row."""
         return self.heights[row * self.columns + (column if row % 2 == 0 else self.columns - 1 - column)]
 
-    def height(self, x, y):
-        across, column = _part((x - self.x0) / self.dx, self.columns)
-        along, row = _part((y - self.y0) / self.dy, self.rows)
-        low = self.at(column, row) * (1 - across) + self.at(column + 1, row) * across
-        high = self.at(column, row + 1) * (1 - across) + self.at(column + 1, row + 1) * across
+    def height_at(self, x, y):
+        across, column = _cell_part((x - self.x0) / self.dx, self.columns)
+        along, row = _cell_part((y - self.y0) / self.dy, self.rows)
+        low = self.height_of(column, row) * (1 - across) + self.height_of(column + 1, row) * across
+        high = self.height_of(column, row + 1) * (1 - across) + self.height_of(column + 1, row + 1) * across
         return low * (1 - along) + high * along
 
-    def piece(self):
+    def longest_piece(self):
         """Longest piece of a levelled move, mm."""
         return max(_LEAST_PIECE_MM, min(abs(self.dx), abs(self.dy)) / 4)
 
 
-def _part(value, count):
+def _cell_part(value, count):
     """(part of a cell, its number) of a coordinate in cells."""
     value = min(max(value, 0.0), count - 1.0)
     cell = min(int(value), count - 2)
     return value - cell, cell
 
 
-def _words(line):
+def _words_of(line):
     """[(letter, number)] of a line of program_lines(). Raises ValueError."""
     found = []
     text = line.upper().replace(" ", "")
@@ -98,16 +98,16 @@ class _Levelled:
         self._plane = 17
         self.lines = []
 
-    def line(self, number, text):
+    def take_line(self, number, text):
         if text[:1] == "$":
             self.lines.append(text)
             return
         try:
-            words = _words(text)
+            words = _words_of(text)
         except ValueError:
             raise Unfollowed(number, "length")
         codes = [value for letter, value in words if letter == "G"]
-        self._look(number, codes)
+        self._check_codes(number, codes)
         values = {letter: value for letter, value in words if letter not in "GMN"}
         axes = [letter for letter in "XYZ" if letter in values]
         if [code for code in codes if code in _ELSEWHERE]:
@@ -116,13 +116,13 @@ class _Levelled:
             self._place = [None, None, None]
             self.lines.append(text)
         elif not axes and not (self._motion in (2, 3) and ("I" in values or "J" in values)) or 4 in codes:
-            self.lines.append(text if self._scale == 1 else self._others(words).rstrip())
+            self.lines.append(text if self._scale == 1 else self._other_words(words).rstrip())
         else:
-            self._move(number, words, values)
+            self._put_move(number, words, values)
         if len(self.lines) > _MOST_LINES:
             raise Unfollowed(number, "length")
 
-    def _look(self, number, codes):
+    def _check_codes(self, number, codes):
         for code in codes:
             if code == 91:
                 raise Unfollowed(number, "relative")
@@ -135,19 +135,19 @@ class _Levelled:
             elif code in (17, 18, 19):
                 self._plane = int(code)
 
-    def _move(self, number, words, values):
+    def _put_move(self, number, words, values):
         begun = self._place
         to = [values[letter] * self._scale if letter in values else begun[n] for n, letter in enumerate("XYZ")]
-        others = self._others(words)
+        others = self._other_words(words)
         points = [to]
         if self._motion in (2, 3):
             if self._plane != 17:
                 raise Unfollowed(number, "plane")
             if None in begun:
                 raise Unfollowed(number, "place")
-            points = self._arc(number, begun, to, values)
+            points = self._arc_points(number, begun, to, values)
         elif self._motion == 1 and None not in begun:
-            points = self._pieces(begun, to)
+            points = self._split_move(begun, to)
         elif self._motion == 1 and None in to:
             raise Unfollowed(number, "place")  # it cuts, and nobody knows where
         self._place = to
@@ -156,7 +156,7 @@ class _Levelled:
             self.lines.append(others + code + self._point_text(point))
             others = ""
 
-    def _others(self, words):
+    def _other_words(self, words):
         """Words that stay as they are: those of the motion are made anew; units are mm."""
         told = ""
         for letter, value in words:
@@ -175,14 +175,14 @@ class _Levelled:
         text = "".join([" %s%.3f" % (letter, value) for letter, value in (("X", x), ("Y", y)) if value is not None])
         if z is None:
             return text
-        return text + " Z%.3f" % (z + self._grid.height(x, y) if x is not None and y is not None else z + max(self._grid.heights))
+        return text + " Z%.3f" % (z + self._grid.height_at(x, y) if x is not None and y is not None else z + max(self._grid.heights))
 
-    def _pieces(self, begun, to):
+    def _split_move(self, begun, to):
         length = math.sqrt((to[0] - begun[0]) ** 2 + (to[1] - begun[1]) ** 2)
-        count = max(1, -int(-length / self._grid.piece() // 1))
+        count = max(1, -int(-length / self._grid.longest_piece() // 1))
         return [[a + (b - a) * n / count for a, b in zip(begun, to)] for n in range(1, count)] + [to]
 
-    def _arc(self, number, begun, to, values):
+    def _arc_points(self, number, begun, to, values):
         clockwise = self._motion == 2
         if "R" in values:
             x, y, radius = to[0] - begun[0], to[1] - begun[1], values["R"] * self._scale
@@ -204,7 +204,7 @@ class _Levelled:
         if sweep < _CLOSED:
             sweep = 2 * math.pi
         # Pieces as short as the map wants them, and no farther than a hundredth of a millimetre from the arc.
-        most = min(self._grid.piece() / radius, 2 * math.acos(max(-1.0, 1 - 0.01 / radius)) if radius > 0.01 else 1.0)
+        most = min(self._grid.longest_piece() / radius, 2 * math.acos(max(-1.0, 1 - 0.01 / radius)) if radius > 0.01 else 1.0)
         count = max(1, -int(-sweep / most // 1))
         points = []
         for n in range(1, count):
@@ -213,13 +213,13 @@ class _Levelled:
         return points + [to]
 
 
-def level(text, grid):
+def level_job(text, grid):
     """A job's text that follows a map. Raises Unfollowed."""
     levelled = _Levelled(grid)
     levelled.lines.append("G21 G90")
     try:
         for number, line in program_lines(raw_lines_of(text.encode())):
-            levelled.line(number, "".join([" " + letter if "@" < letter < "{" else letter for letter in line.decode()]).strip())
+            levelled.take_line(number, "".join([" " + letter if "@" < letter < "{" else letter for letter in line.decode()]).strip())
     except WrongLetter as wrong:
         raise Unfollowed(wrong.number, "length")
     return "\n".join(levelled.lines) + "\n"

@@ -52,13 +52,13 @@ class Job:
         first, drawn = self.start
         self.begun = True
         for number in range(first, len(self.objects)):
-            self._save(number, drawn)
-            self._ask(number, drawn, change)
-            self._draw(number, drawn, progress)
+            self._save_progress(number, drawn)
+            self._ask_change(number, drawn, change)
+            self._draw_object(number, drawn, progress)
             drawn = 0
-        self._save(len(self.objects), 0)
+        self._save_progress(len(self.objects), 0)
 
-    def _ask(self, number, drawn, change):
+    def _ask_change(self, number, drawn, change):
         if change is None or drawn:
             return
         try:
@@ -67,9 +67,9 @@ class Job:
             self.client.stop()
             raise Broken("stopped at object {} of {}", number + 1, len(self.objects)) from reason
 
-    def _draw(self, number, skip, progress):
+    def _draw_object(self, number, skip, progress):
         """Draw object `number` from its point `skip` on."""
-        points, lead = (self.objects[number][skip:], 0) if self._led else remaining(self.objects[number], skip)
+        points, lead = (self.objects[number][skip:], 0) if self._led else remaining_points(self.objects[number], skip)
         self._led = False
         if not points:
             return
@@ -82,10 +82,10 @@ class Job:
             sure = min(status["drawn"] - client.repeated_points, stored) - lead
             return skip + max(sure, 0)
 
-        def report(status):
+        def report_status(status):
             drawn = count_drawn(status)
             if (number, drawn) > self._at:
-                self._save(number, drawn)
+                self._save_progress(number, drawn)
             if progress:
                 progress(number, drawn)
 
@@ -96,12 +96,12 @@ class Job:
                 client.point(*point)
                 stored += 1
                 if time.monotonic() - asked > POLL_S:  # an object larger than the board's memory is drawn while it is sent
-                    report(client.status())
+                    report_status(client.status())
                     asked = time.monotonic()
-            client.end(len(points), report)
+            client.end(len(points), report_status)
         except (Cancelled, LinkError) as reason:
             try:
-                self._save(number, count_drawn(client.stop()))
+                self._save_progress(number, count_drawn(client.stop()))
             except LinkError:
                 pass  # out of reach: the journal has what was drawn at the last status
             if isinstance(reason, Cancelled):
@@ -116,12 +116,12 @@ class Job:
         points = sum(len(points) for points in self.objects[:number]) + drawn
         return _("{} of {} points", points, sum(map(len, self.objects)))
 
-    def _save(self, number, drawn):
+    def _save_progress(self, number, drawn):
         self._at = (number, drawn)
         if self.journal is None:
             return
         try:
-            self.journal.save(number, drawn)
+            self.journal.save_progress(number, drawn)
         except Failure as failure:
             if self._warn is None:
                 raise
@@ -130,7 +130,7 @@ class Job:
             self._warned = True
 
 
-def remaining(points, drawn):
+def remaining_points(points, drawn):
     """The rest of an object whose first `drawn` points are drawn, and how many points were put before it.
 
     A line that was interrupted is drawn again from its start: a MOVE leads to the last point drawn.

@@ -18,7 +18,7 @@ class Record(NamedTuple):
     place: list
 
     @classmethod
-    def of(cls, said):
+    def of_answer(cls, said):
         """The record in the lines that answer `$JR`. Raises Failure."""
         found = _JOURNAL.search("\n".join(said))
         if not found:
@@ -28,7 +28,7 @@ class Record(NamedTuple):
     @classmethod
     def of_job(cls, said):
         """The same. Raises Failure too if the journal is empty."""
-        record = cls.of(said)
+        record = cls.of_answer(said)
         if not record.job:
             raise Failure("the board's journal is empty: no program was interrupted")
         return record
@@ -38,7 +38,7 @@ class Record(NamedTuple):
         return bool(self.flags & DONE)
 
     @property
-    def known(self):
+    def is_known(self):
         """The machine's position is known."""
         return bool(self.flags & KNOWN)
 

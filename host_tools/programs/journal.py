@@ -23,7 +23,7 @@ class Journal:
         self.drawn = 0  # points of it that have been drawn
 
     @staticmethod
-    def beside(drawing_path):
+    def path_beside(drawing_path):
         """The journal's usual place."""
         return Path(str(drawing_path) + ".journal")
 
@@ -35,32 +35,32 @@ class Journal:
         except (OSError, ValueError, AttributeError, TypeError):
             return {}
 
-    def save(self, number, drawn=0):
+    def save_progress(self, number, drawn=0):
         """Note that objects before `number` are drawn, and the first `drawn` points of that one."""
         self.object, self.drawn = number, drawn
         record = {"digest": self.digest, "points_per_object": self.most, "object": number, "drawn": drawn, "options": self.options}
         try:
-            os.replace(self._write(json.dumps(record) + "\n"), self.path)
+            os.replace(self._write_new(json.dumps(record) + "\n"), self.path)
         except OSError as error:
             raise self._unwritable(error) from error
 
-    def probe(self):
+    def check_writable(self):
         """Raise Failure if the journal could not be written; an old one stays as it is."""
         try:
             if self.path.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-            self._write("{}\n").unlink()
+            self._write_new("{}\n").unlink()
         except OSError as error:
             raise self._unwritable(error) from error
 
     def is_begun(self):
         """True if the file is of this drawing, begun and not finished."""
         try:
-            return Journal(self.path, self.digest, self.most)._take()
+            return Journal(self.path, self.digest, self.most)._load_file()
         except Failure:
             return False
 
-    def _write(self, text):
+    def _write_new(self, text):
         fresh = self.path.with_name(self.path.name + ".new")
         fresh.write_text(text, encoding="utf-8")
         return fresh
@@ -68,12 +68,12 @@ class Journal:
     def _unwritable(self, error):
         return Failure("journal {} cannot be written: {}; --journal names another place", self.path, reason(error))
 
-    def resume(self):
+    def resume_from_file(self):
         """Continue from the file. Raises Failure if there is none, it belongs to another drawing, or cannot be written."""
-        self._take()
-        self.probe()
+        self._load_file()
+        self.check_writable()
 
-    def _take(self):
+    def _load_file(self):
         """Read the file; True if anything is drawn. Raises Failure."""
         try:
             record = json.loads(self.path.read_text(encoding="utf-8"))
@@ -91,6 +91,6 @@ class Journal:
         self.object, self.drawn = number, drawn
         return number > 0 or drawn > 0
 
-    def finish(self):
+    def remove_file(self):
         """The drawing is done: the journal is not needed any more."""
         self.path.unlink(missing_ok=True)

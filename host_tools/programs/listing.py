@@ -1,7 +1,7 @@
 """The result of compiling a program: lines of plain G-code, each with the line of the program that it came from, and its path.
 
     listing = Listing()
-    listing.add("G1 X5", source, stroke)
+    listing.add_line("G1 X5", source, stroke)
     listing.lines()             # [(number, bytes)] for a sender: numbers count the lines of the listing
     listing.origin(7)           # "part.ngc:12": where line 7 comes from
     listing.text(texts)         # the same as a file, origins as comments
@@ -42,7 +42,7 @@ class Listing:
         self.plane = 17  # of the arcs so far
         self.turns_in_inches = False  # A has words in G20, which are read as degrees
 
-    def add(self, code, source, stroke=None):
+    def add_line(self, code, source, stroke=None):
         """Append a line of G-code. Raises ProgramError if there are too many."""
         if len(self.codes) >= self._bound:
             raise ProgramError(ENDLESS, "{} lines have been made", self._bound, place=source)

@@ -2,8 +2,8 @@
 
     file = LongFile("relief.txt", "xyz")
     file.total, file.seek(500_000).place        # commands; where the head is before one of them
-    for chunk in file.forward(500_000): …       # bytes of a pulse file: the state there, then the rest
-    for chunk in file.backward(500_000): …      # from there to the start: directions inverted, tool and speeds as they were
+    for chunk in file.play_forward(500_000): …       # bytes of a pulse file: the state there, then the rest
+    for chunk in file.play_backward(500_000): …      # from there to the start: directions inverted, tool and speeds as they were
 
 The file is read block by block; an index keeps the state at each block's beginning. A stream begins with `lead_of()` commands that
 set the state; then it has one for each command of the file, in order: a position in the stream is a position in the file. Backward a wait,
@@ -40,22 +40,22 @@ class LongFile:
         """`axes`: names of those that the machine has. Raises Failure with line and column of the fault."""
         self._path = path
         self._axes = len(axes[:3])
-        self._vectors = _vectors(self._axes)
-        self._mirror = _mirror()
+        self._vectors = _step_vectors(self._axes)
+        self._mirror = _mirror_table()
         self._index = []
         self.powers = False  # it has a [
         state = State(0, 0, (0,) * self._axes)
-        for state_before, block in self._blocks(state):
-            self._check(state_before, block)
+        for state_before, block in self._read_blocks(state):
+            self._check_block(state_before, block)
             self._index.append(state_before)
-            state = self._after(state_before, block)
+            state = self._state_after(state_before, block)
             self.powers = self.powers or b"[" in block
         self._end = state
         self.total = state.number
         if not self.total:
             raise Failure("{} has no command", path)
 
-    def _blocks(self, state):
+    def _read_blocks(self, state):
         """(state, bytes) of each block from `state` on; none ends amid a number."""
         at = state.at
         try:
@@ -68,11 +68,11 @@ class LongFile:
                     while block[-1:] in b"*+0123456789" and (more := file.read(1)):
                         block += more
                     yield state, block
-                    state = self._after(state, block)
+                    state = self._state_after(state, block)
         except OSError as error:
             raise Failure("cannot read {}: {}", self._path, reason(error)) from error
 
-    def _check(self, state, block):
+    def _check_block(self, state, block):
         from host_tools.language import error_text
         from passo import errors
         from passo.protocols.pulses.codes import SPEED_MM_MIN, WAIT_MS
@@ -95,16 +95,16 @@ class LongFile:
             return
         if error is None:
             error = errors.NUMBER_MISSING if block[at : at + 1] in b"*+" else errors.NO_CODE
-        before = self._read(0, state.at) + block[:at]
+        before = self._read_bytes(0, state.at) + block[:at]
         line, column = before.count(b"\n") + 1, at + state.at - (before.rfind(b"\n") + 1) + 1
         raise Failure("{}:{}:{}: error {}: {}", self._path, line, column, error, error_text(error))
 
-    def _read(self, begin, end):
+    def _read_bytes(self, begin, end):
         with open(self._path, "rb") as file:
             file.seek(begin)
             return file.read(end - begin)
 
-    def _after(self, state, block):
+    def _state_after(self, state, block):
         """The state behind `block`."""
         codes = np.frombuffer(block, np.uint8)
         counts = np.bincount(codes, minlength=256)
@@ -112,7 +112,7 @@ class LongFile:
         number = state.number + int(counts[_COMMANDS].sum())
         found = State(state.at + len(block), number, place, state.tool, state.speed, state.drives)
         for token in re.finditer(rb"\+\d+|[$@()\[\]]", block):
-            _note(found, token.group())
+            _note_code(found, token.group())
         return found
 
     # --- what can be asked
@@ -125,60 +125,60 @@ class LongFile:
             return self._end
         low = [state.number for state in self._index]
         state = self._index[int(np.searchsorted(low, number, "right")) - 1]
-        block = next(self._blocks(state))[1]
+        block = next(self._read_blocks(state))[1]
         is_command = np.isin(np.frombuffer(block, np.uint8), _COMMANDS)
         at = int(np.searchsorted(np.cumsum(is_command), number - state.number + 1))
-        return self._after(state, block[:at])
+        return self._state_after(state, block[:at])
 
-    def forward(self, number=0, times=1):
+    def play_forward(self, number=0, times=1):
         """Chunks of bytes from command `number` to the end, and `times` − 1 times the whole file behind that."""
         state = self.seek(number)
-        yield self._lead(state, False)
+        yield self._lead_codes(state, False)
         for _ in range(times):
-            for _, block in self._blocks(state):
+            for _, block in self._read_blocks(state):
                 yield block
             state = self._index[0]
 
-    def backward(self, number=None):
+    def play_backward(self, number=None):
         """Chunks of bytes that lead back from command `number`, by default the end, to the start."""
         state = self.seek(self.total if number is None else number)
-        yield self._lead(state, True)
+        yield self._lead_codes(state, True)
         for index in range(len(self._index) - 1, -1, -1):
             begin = self._index[index]
             if begin.at < state.at:
                 end = min(state.at, self._index[index + 1].at if index + 1 < len(self._index) else self._end.at)
-                yield self._reverse(begin, self._read(begin.at, end))
+                yield self._reverse_block(begin, self._read_bytes(begin.at, end))
         if self.powers and state.drives:
             yield b"]"  # as before the file's first [
 
     def job_number(self):
         """By which a board's journal knows this file: the CRC-32 of its codes, as those of a stored job."""
         crc = 0
-        for _, block in self._blocks(self._index[0]):
+        for _, block in self._read_blocks(self._index[0]):
             crc = zlib.crc32(codes_of(block), crc)
         return crc or 1
 
-    def highest(self):
+    def highest_steps(self):
         """The highest place of the last axis, steps from the file's start."""
         steps = self._vectors[1][-1]
         tops = [0]
-        for state, block in self._blocks(self._index[0]):
+        for state, block in self._read_blocks(self._index[0]):
             tops.append(state.place[-1] + int(np.cumsum(steps[np.frombuffer(block, np.uint8)]).max(initial=0)))
         return max(tops)
 
     def lead_of(self, number, backward):
         """How many commands make the state at `number`, in front of those of the file."""
-        codes = self._lead(self.seek(number), backward)
+        codes = self._lead_codes(self.seek(number), backward)
         return int(np.isin(np.frombuffer(codes, np.uint8), _COMMANDS).sum())
 
-    def _lead(self, state, backward):
+    def _lead_codes(self, state, backward):
         """The codes that make a state. Backward the drives are on, as they were on the way forward."""
         if not state.number:
             return b""
         drives = b"[" if backward and self.powers and state.drives else state.drives
         return drives + state.speed + state.tool
 
-    def _reverse(self, begin, block):
+    def _reverse_block(self, begin, block):
         """A block played backward."""
         state = State(begin.at, 0, begin.place, begin.tool, begin.speed, begin.drives)
         parts = []
@@ -192,7 +192,7 @@ class LongFile:
                 parts.append(b"*0")
             else:
                 parts.append(text.translate(self._mirror)[::-1])
-            _note(state, text)
+            _note_code(state, text)
         return b"".join(reversed(parts))
 
 
@@ -201,7 +201,7 @@ def codes_of(data):
     return data.translate(None, _BLANK)
 
 
-def _note(state, text):
+def _note_code(state, text):
     """A code that makes state. `+0` leaves the speed to the operator: the one before it is the best guess."""
     if text in (b"(", b")"):
         state.tool = text
@@ -211,7 +211,7 @@ def _note(state, text):
         state.speed = text
 
 
-def _vectors(axes):
+def _step_vectors(axes):
     """(the codes and blanks that are allowed, the steps of each axis by byte)."""
     from passo.protocols.pulses.codes import CODES
 
@@ -226,7 +226,7 @@ def _vectors(axes):
     return bytes(allowed), steps
 
 
-def _mirror():
+def _mirror_table():
     """Each letter's opposite."""
     from host_tools.programs.pulse_file import letter_of
     from passo.protocols.pulses.codes import CODES

@@ -92,17 +92,17 @@ class ProgramError(Failure):
         self.number = number
         self.place = place
 
-    def at(self, place):
+    def name_place(self, place):
         """Name the place (a listing.Source), unless it is known already."""
         self.place = self.place or place
         return self
 
     def __str__(self):
-        return self._whole(f"error {self.number}: {TEXTS[self.number]}", super().__str__())
+        return self._whole_text(f"error {self.number}: {TEXTS[self.number]}", super().__str__())
 
     def message(self):
-        return self._whole(_("error {}: {}", self.number, _(TEXTS[self.number])), super().message())
+        return self._whole_text(_("error {}: {}", self.number, _(TEXTS[self.number])), super().message())
 
-    def _whole(self, error, detail):
+    def _whole_text(self, error, detail):
         where = f"{self.place}: " if self.place else ""
         return f"{where}{error}: {detail}" if detail else f"{where}{error}"

@@ -35,11 +35,11 @@ class WrongLetter(Exception):
 
 if hasattr(b"", "translate"):
 
-    def _drop(line, bytes_):
+    def _drop_bytes(line, bytes_):
         return line.translate(None, bytes_)
 else:  # MicroPython
 
-    def _drop(line, bytes_):
+    def _drop_bytes(line, bytes_):
         return bytes([byte for byte in line if byte not in bytes_])
 
 
@@ -56,7 +56,7 @@ def program_lines(raw_lines, ended=None):
     for raw in raw_lines:
         number += 1
         try:
-            line = strip(raw)
+            line = strip_line(raw)
         except WrongLetter as wrong:
             raise WrongLetter(wrong.letter, number)
         if line == b"%" and begun:
@@ -77,12 +77,12 @@ def program_lines(raw_lines, ended=None):
         ended(last, behind)
 
 
-def strip(raw):
+def strip_line(raw):
     """A raw line as the controller sees it: without comments, blanks and control characters. Raises WrongLetter."""
     if b"(" in raw or b";" in raw:
         raw = _without_comments(raw)
-    line = _drop(raw, _DROPPED)
-    return line if not _drop(line, _PLAIN) else _without_blanks(raw)
+    line = _drop_bytes(raw, _DROPPED)
+    return line if not _drop_bytes(line, _PLAIN) else _without_blanks(raw)
 
 
 def _without_comments(raw):
@@ -104,15 +104,15 @@ def _without_blanks(raw):
     for letter in text:
         if ord(letter) > 127 or ord(letter) in _REAL_TIME:
             raise WrongLetter(letter)
-    return _drop(text.encode(), _DROPPED)
+    return _drop_bytes(text.encode(), _DROPPED)
 
 
 def plain_text(raw):
     """A raw line as text, comments and all, for a compiler that has its own: with common blanks. Raises WrongLetter."""
     text = text_of(raw)
-    if not _drop(raw, _PLAIN + _DROPPED + _REAL_TIME):
+    if not _drop_bytes(raw, _PLAIN + _DROPPED + _REAL_TIME):
         return text
-    strip(raw)
+    strip_line(raw)
     return "".join([" " if letter in _BLANKS else letter for letter in text])
 
 
@@ -143,14 +143,14 @@ def _names_program(line):
     return line[:1] in (b"O", b"o", b":") and line[1:].isdigit()
 
 
-def _words(line):
+def _words_of(line):
     """The words of a line in capitals: behind = a row has its powers, packed; a $ line has none."""
     return b"" if line[:1] == b"$" else line.partition(b"=")[0].upper()
 
 
 def ends_program(line):
     """True of a line with M2 or M30."""
-    rest = _words(line)
+    rest = _words_of(line)
     while True:
         _, found, rest = rest.partition(b"M")
         if not found:
@@ -167,7 +167,7 @@ def ends_program(line):
 
 def _without_number(line):
     """`line` without its N word. One that the controller refuses stays."""
-    words = _words(line)
+    words = _words_of(line)
     at = words.find(b"N")
     if at < 0 or words.count(b"N") > 1:
         return line
@@ -192,19 +192,19 @@ _KEPT = (b"N", b"RST", b"LINK", b"FD", b"FS", b"FE", b"F:", b"JR=")  # start-up 
 
 def changes_settings(line):
     """True of a $ line that changes the machine for good: a setting, a startup line, the board's name, the link that commands, a stored job."""
-    text = bare(line)
+    text = bare_line(line)
     number = text[1:].partition(b"=")[0]
     return text[:1] == b"$" and (text[1:].startswith(_KEPT) or b"=" in text and (number == b"I" or number.isdigit()))
 
 
-def bare(line):
+def bare_line(line):
     """A $ line as the firmware reads it: in capitals, / and blanks count for nothing."""
     return bytes([byte for byte in line if byte > 32 and byte != 47]).upper()
 
 
 def job_error(line):
     """0, or the number of an error: a job may not have this line, as it is sent, for it changes more than the job's own motion."""
-    if b"$" in line.partition(b"=")[0] and bare(line) != b"$H":
+    if b"$" in line.partition(b"=")[0] and bare_line(line) != b"$H":
         return errors.JOB_LINE
     for byte in line:
         if not 32 <= byte < 127 or byte in _REAL_TIME:

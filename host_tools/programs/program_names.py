@@ -2,8 +2,8 @@
 whose sender has died name its program.
 
     program_names.remember_program(lines, "rings.gcode")    # of gcode_file.read(); returns the number
-    program_names.remember(number, "rings.gcode", 251)      # the last line that moves
-    program_names.find(number)              # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
+    program_names.remember_name(number, "rings.gcode", 251)      # the last line that moves
+    program_names.name_of_number(number)              # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
 """
 
 import json
@@ -29,11 +29,11 @@ def _read_kept():
 def remember_program(lines, name):
     number = number_of(lines)
     moving = [at for at, line in lines if any(letter in line.upper() for letter in b"XYZ")]
-    remember(number, name, moving[-1] if moving else 0)
+    remember_name(number, name, moving[-1] if moving else 0)
     return number
 
 
-def remember(number, name, last):
+def remember_name(number, name, last):
     """The oldest are forgotten. A folder that cannot be written is no reason not to begin."""
     known = _read_kept()
     known.pop(f"{number:08x}", None)
@@ -47,7 +47,7 @@ def remember(number, name, last):
         pass
 
 
-def find(number):
+def name_of_number(number):
     kept = _read_kept().get(f"{number:08x}")
     if not isinstance(kept, list) or len(kept) != 2 or not isinstance(kept[0], str) or not isinstance(kept[1], int):
         return "", 0

@@ -7,7 +7,7 @@ from host_tools.failure import Failure, reason
 _LETTERS = {}
 
 
-def load(path):
+def load_pulses(path):
     """The bytes of a pulse file. Raises Failure, also if it has a control command in braces."""
     from host_tools.clients.pulses_wire import brace_in
     from host_tools.language import error_text
@@ -23,7 +23,7 @@ def load(path):
     return data
 
 
-def items(data, axes, config, name="the file"):
+def read_items(data, axes, config, name="the file"):
     """The items of a file (see passo.commands). Raises Failure with line and column of the fault."""
     from host_tools.language import error_text
     from passo.commands import STEPS_ABORT, STEPS_ITEMS
@@ -129,7 +129,7 @@ class Converter:
         If the program has no S at all, M3 and M4 switch the tool on. If it has, S0 keeps the tool off, as on a machine with a
         spindle.
         """
-        from host_tools.programs.pulse_shapes import lines as folded
+        from host_tools.programs.pulse_shapes import break_lines as folded
         from host_tools.language import error_text
 
         if not any(b"S" in line.upper() for _, line in lines):
@@ -139,7 +139,7 @@ class Converter:
             if error:
                 raise Failure("line {}: {}: error {}: {}", number, line.decode(), error, error_text(error))
             for command in self._gcode.commands:
-                self._take(number, line, command)
+                self._put_command(number, line, command)
             if self._gcode.ended:
                 break
         self._set_tool(False)
@@ -149,14 +149,14 @@ class Converter:
             text.append(folded(part) if part[0].isalpha() else part + "\n")
         return "".join(text)
 
-    def _take(self, number, line, command):
+    def _put_command(self, number, line, command):
         from passo import commands
 
         kind = command.kind
         if kind in (commands.LINE, commands.ARC):
             self._set_tool(bool(command.tool))
             self._set_speed(number, line, command)
-            self._walk(number, line, command, kind == commands.ARC)
+            self._put_walk(number, line, command, kind == commands.ARC)
             self.target = list(command.target)
         elif kind == commands.DWELL:
             if command.value >= 1000:
@@ -182,11 +182,11 @@ class Converter:
             self._speed = speed
             self._parts.append(f"+{min(speed, 900_000)}" if speed else "$")
 
-    def _walk(self, number, line, command, arc):
+    def _put_walk(self, number, line, command, arc):
         deltas = [to - at for at, to in zip(self.target, command.target)]
         letters = []
         try:
-            for walker in self._walkers_of(command, deltas) if arc else self._lines([deltas]):
+            for walker in self._walkers_of(command, deltas) if arc else self._line_walkers([deltas]):
                 while walker.left:
                     count = min(walker.left, len(self._out))
                     negative = walker.negative
@@ -197,7 +197,7 @@ class Converter:
         if letters:
             self._parts.append("".join(letters))
 
-    def _lines(self, all_deltas):
+    def _line_walkers(self, all_deltas):
         """The walker of one line after the other."""
         for deltas in all_deltas:
             if any(deltas):
@@ -221,4 +221,4 @@ class Converter:
             except ValueError:  # too large, or too steep a helix
                 pass
         ellipse = Ellipse(deltas, *given, self.steps_per_m, *turns)
-        return self._lines(ellipse.chord() for _ in range(ellipse.left))
+        return self._line_walkers(ellipse.chord() for _ in range(ellipse.left))

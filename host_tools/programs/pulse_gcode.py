@@ -21,13 +21,13 @@ def to_gcode(found, board, beside=None):
     """(text, {"lines": …, "arcs": …, "steps": …}) of a file's items. `beside`: (LEFT or RIGHT, the tool's radius in mm), None: as it
     was taught. Raises Failure if there is not a step in it, or a contour cannot be compensated."""
     writer = _Writer(board) if beside is None else _Compensated(board, *beside)
-    for kind, value in _runs(found, len(board["axes"][:3])):
-        writer.take(kind, value)
+    for kind, value in _group_runs(found, len(board["axes"][:3])):
+        writer.add_item(kind, value)
     if not writer.counts["steps"]:
         raise Failure("the file has no step")
-    text = writer.text()
+    text = writer.gcode_text()
     if beside is None:
-        _prove(text, found, board)
+        _prove_steps(text, found, board)
     return text, writer.counts
 
 
@@ -39,7 +39,7 @@ def moves_of(items, axes):
     return np.repeat(rows.astype(np.int8), counts, axis=0)
 
 
-def _runs(found, axes):
+def _group_runs(found, axes):
     """("steps", moves) and (kind, value) of marks, in their order. A code that changes neither a step's speed nor the tool does not part steps."""
     steps = []
     for item in found:
@@ -68,12 +68,12 @@ class _Writer:
         self._plane = (0, 1)
         self.counts = {"lines": 0, "arcs": 0, "steps": 0}
 
-    def take(self, kind, value):
+    def add_item(self, kind, value):
         from passo import commands
 
         if kind == "steps":
             for piece in pieces(value, self._equal):
-                self._piece(piece)
+                self._add_piece(piece)
         elif kind == commands.STEPS_TOOL:
             self._lines.append("M3 S1000" if value else "M5")
         elif kind == commands.STEPS_WAIT:
@@ -85,40 +85,40 @@ class _Writer:
         else:
             self._speed = {commands.STEPS_SPEED: value, commands.STEPS_DEFAULT: self._default}.get(kind)
 
-    def _piece(self, piece):
+    def _add_piece(self, piece):
         self._at = [at + delta for at, delta in zip(self._at, piece.deltas)]
         self.counts["steps"] += piece.count
         self.counts["arcs" if piece.centre else "lines"] += 1
         if piece.centre:
-            self._arc(piece)
+            self._add_arc(piece)
             return
-        words = "".join(f" {name}{self._mm(axis)}" for axis, name in enumerate(self._names) if piece.deltas[axis])
+        words = "".join(f" {name}{self._mm_text(axis)}" for axis, name in enumerate(self._names) if piece.deltas[axis])
         if self._speed is None:
             self._lines.append("G0" + words)
         else:
-            self._lines.append("G1" + words + self._feed(self._speed))
+            self._lines.append("G1" + words + self._feed_word(self._speed))
 
-    def _arc(self, piece):
+    def _add_arc(self, piece):
         if piece.plane != self._plane:
             self._plane = piece.plane
             self._lines.append({(0, 1): "G17", (2, 0): "G18", (1, 2): "G19"}[piece.plane])
-        words = "".join(f" {self._names[axis]}{self._mm(axis)}" for axis in sorted(piece.plane))
+        words = "".join(f" {self._names[axis]}{self._mm_text(axis)}" for axis in sorted(piece.plane))
         centre = "".join(
-            f" {'IJK'[axis]}{_text(steps / self._scale[axis])}" for axis, steps in sorted(zip(piece.plane, piece.centre))
+            f" {'IJK'[axis]}{_number_text(steps / self._scale[axis])}" for axis, steps in sorted(zip(piece.plane, piece.centre))
         )
         speed = self._speed or 900_000  # there are no rapid arcs: the fastest that a file can ask for
-        self._lines.append(("G2" if piece.clockwise else "G3") + words + centre + self._feed(speed))
+        self._lines.append(("G2" if piece.clockwise else "G3") + words + centre + self._feed_word(speed))
 
-    def _feed(self, speed):
+    def _feed_word(self, speed):
         if speed == self._written:
             return ""
         self._written = speed
         return f" F{speed}"
 
-    def _mm(self, axis):
-        return _text(self._at[axis] / self._scale[axis])
+    def _mm_text(self, axis):
+        return _number_text(self._at[axis] / self._scale[axis])
 
-    def text(self):
+    def gcode_text(self):
         return "\n".join([*self._lines, "M2"]) + "\n"
 
 
@@ -133,23 +133,23 @@ class _Compensated(_Writer):
         self._contour = None  # [(Piece, speed)] while the tool is on
         self._travel = self._z = None  # lines with the last travel since the last contour, and the last move of Z
 
-    def take(self, kind, value):
+    def add_item(self, kind, value):
         from passo import commands
 
         if kind == commands.STEPS_TOOL and value:
             self._contour = self._contour or []
         elif kind == commands.STEPS_TOOL:
             self._write_contour()
-            _Writer.take(self, kind, value)
+            _Writer.add_item(self, kind, value)
         elif self._contour and kind in (commands.STEPS_WAIT, commands.STEPS_ASK):
             raise Failure("a wait, or a question for the speed, in the middle of a contour: it cannot be compensated")
         else:
-            _Writer.take(self, kind, value)
+            _Writer.add_item(self, kind, value)
 
-    def _piece(self, piece):
+    def _add_piece(self, piece):
         from host_tools.programs import compensation
 
-        start = self._xy()
+        start = self._tool_xy()
         self._at = [at + delta for at, delta in zip(self._at, piece.deltas)]
         self.counts["steps"] += piece.count
         if any(piece.deltas[2:]) or piece.centre and piece.plane != (0, 1):
@@ -157,28 +157,28 @@ class _Compensated(_Writer):
                 raise Failure("Z moves in the middle of a contour: it cannot be compensated")
             aside = any(piece.deltas[:2])
             self._travel, self._z = (None, None) if aside else (self._travel, len(self._lines))
-            place = f" X{self._mm(0)} Y{self._mm(1)}" if aside else ""
-            self._lines.append(f"G1{place} Z{self._mm(2)}" + self._feed(self._speed or 900_000))
+            place = f" X{self._mm_text(0)} Y{self._mm_text(1)}" if aside else ""
+            self._lines.append(f"G1{place} Z{self._mm_text(2)}" + self._feed_word(self._speed or 900_000))
             return
         if self._contour is None:
             if self._travel is None or self._z is not None and self._z > self._travel:
                 self._travel = len(self._lines)
                 self._lines.append("")
-            self._lines[self._travel] = f"G0 X{self._mm(0)} Y{self._mm(1)}"  # unless the next contour sets out from here
+            self._lines[self._travel] = f"G0 X{self._mm_text(0)} Y{self._mm_text(1)}"  # unless the next contour sets out from here
             return
         centre = None
         if piece.centre:
             centre = start + complex(piece.centre[0] / self._scale[0], piece.centre[1] / self._scale[1])
-        whole = centre is not None and start == self._xy()
-        self._contour.append((compensation.Piece(start, self._xy(), centre, piece.clockwise, whole), self._speed))
+        whole = centre is not None and start == self._tool_xy()
+        self._contour.append((compensation.Piece(start, self._tool_xy(), centre, piece.clockwise, whole), self._speed))
 
-    def text(self):
+    def gcode_text(self):
         self._write_contour()  # the tool may be on to the last
         if self._travel is not None and (self._z is None or self._z < self._travel):
             del self._lines[self._travel]  # it leads nowhere
-        return _Writer.text(self)
+        return _Writer.gcode_text(self)
 
-    def _lead(self, line):
+    def _put_lead(self, line):
         """The way to the next contour: in place of the last travel, so that Z goes down where it did; where there was none, before Z's last
         move."""
         if self._travel is not None:
@@ -187,7 +187,7 @@ class _Compensated(_Writer):
             self._lines.insert(len(self._lines) if self._z is None else self._z, line)
         self._travel = self._z = None
 
-    def _xy(self):
+    def _tool_xy(self):
         return complex(self._at[0] / self._scale[0], self._at[1] / self._scale[1])
 
     def _write_contour(self):
@@ -201,28 +201,28 @@ class _Compensated(_Writer):
         contour = _from_amid(contour)
         pieces = [piece for piece, _ in contour]
         try:
-            path = list(compensation.offset(pieces, self._side, self._radius))
+            path = list(compensation.offset_contour(pieces, self._side, self._radius))
         except ProgramError as error:
-            raise Failure("a contour that begins at {}: {}", _at(pieces[0].start), error) from error
+            raise Failure("a contour that begins at {}: {}", _xy_words(pieces[0].start), error) from error
         too_near = compensation.gouges([piece for piece, _ in path], pieces, self._radius)
         if too_near:
             near = path[too_near[0][0]][0].start
-            raise Failure("the tool would cut into its own contour near {}: its radius of {:g} mm is too large", _at(near), self._radius)
+            raise Failure("the tool would cut into its own contour near {}: its radius of {:g} mm is too large", _xy_words(near), self._radius)
         first = path[0][0].start
-        self._lead(f"G0 X{_text(first.real)} Y{_text(first.imag)}")
+        self._put_lead(f"G0 X{_number_text(first.real)} Y{_number_text(first.imag)}")
         self._lines.append("M3 S1000")
-        here = _units(first)
+        here = _listing_units(first)
         for piece, number in path:
-            word, centre, end = "G1", "", _units(piece.end)
+            word, centre, end = "G1", "", _listing_units(piece.end)
             if piece.centre is not None:
-                middle = _units(piece.centre - piece.start)
+                middle = _listing_units(piece.centre - piece.start)
                 last = round_end(here, end, middle, piece.clockwise, piece.sweep)
                 if last is not None:
                     word, end = "G2" if piece.clockwise else "G3", last
-                    centre = f" I{_text(middle[0] / 1e5)} J{_text(middle[1] / 1e5)}"
+                    centre = f" I{_number_text(middle[0] / 1e5)} J{_number_text(middle[1] / 1e5)}"
             self.counts["arcs" if centre else "lines"] += 1
             here = end
-            self._lines.append(f"{word} X{_text(end[0] / 1e5)} Y{_text(end[1] / 1e5)}{centre}" + self._feed(contour[number][1] or 900_000))
+            self._lines.append(f"{word} X{_number_text(end[0] / 1e5)} Y{_number_text(end[1] / 1e5)}{centre}" + self._feed_word(contour[number][1] or 900_000))
 
 
 def _from_amid(contour):
@@ -236,26 +236,26 @@ def _from_amid(contour):
     return [(Piece(middle, piece.end), speed), *contour[1:], (Piece(piece.start, middle), speed)]
 
 
-def _units(place):
+def _listing_units(place):
     return round(place.real * 1e5), round(place.imag * 1e5)
 
 
-def _at(place):
-    return f"X{_text(place.real)} Y{_text(place.imag)}"
+def _xy_words(place):
+    return f"X{_number_text(place.real)} Y{_number_text(place.imag)}"
 
 
-def _text(mm):
+def _number_text(mm):
     return f"{round(mm, 5) + 0.0:.5f}".rstrip("0").rstrip(".")
 
 
-def _prove(text, found, board):
+def _prove_steps(text, found, board):
     """Raise Failure if the G-code would not make the same steps."""
-    from host_tools.programs.program_lines import strip
+    from host_tools.programs.program_lines import strip_line
 
-    lines = [(number, strip(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
+    lines = [(number, strip_line(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
     back = pulse_file.Converter(board).convert([row for row in lines if row[1]])
     axes = "xyz"[: len(board["axes"][:3])]
-    made = pulse_file.items(back.encode(), axes, board["step_program"])
+    made = pulse_file.read_items(back.encode(), axes, board["step_program"])
     if not same_steps(found, made, len(axes)):
         raise Failure("the G-code would not make the same steps: this is a fault of passo")
 

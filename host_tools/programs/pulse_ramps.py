@@ -35,19 +35,19 @@ def with_ramps(found, board, accel_mm_s2):
     for item in found:
         mask, kind, value = item & 15, item >> 4 & 15, item >> 8
         if mask:
-            maker.steps(item, speed)
+            maker.add_steps(item, speed)
         elif kind in (commands.STEPS_SPEED, commands.STEPS_FASTEST, commands.STEPS_DEFAULT):
             known = {commands.STEPS_SPEED: value, commands.STEPS_FASTEST: fastest}
             speed = min(known.get(kind, config["default_mm_min"]), fastest)
         elif kind == commands.STEPS_TOOL:
             slow = board["tool"].get("on_ms" if value else "off_ms", 0)
-            maker.mark("(" if value else ")", slow > 0)
+            maker.add_mark("(" if value else ")", slow > 0)
         elif kind == commands.STEPS_ASK:
-            maker.mark("+0", True)
+            maker.add_mark("+0", True)
             speed = None  # the operator's, up to the next one of the file
         else:
-            maker.mark(f"*{value}" if kind == commands.STEPS_WAIT else "[" if value else "]", True)
-    maker.stand()
+            maker.add_mark(f"*{value}" if kind == commands.STEPS_WAIT else "[" if value else "]", True)
+    maker.write_run()
     return "".join(maker.parts)
 
 
@@ -64,36 +64,36 @@ class _Maker:
         self._count = 0
         self._said = None  # the speed in force
 
-    def steps(self, item, speed):
+    def add_steps(self, item, speed):
         self._items.append((item, speed))
         self._count += item >> 8
 
-    def mark(self, text, stands):
+    def add_mark(self, text, stands):
         if stands:
-            self.stand()
+            self.write_run()
             self.parts.append(text + "\n")
             if text == "+0":
                 self._said = None
         else:
             self._marks.append((self._count, text))
 
-    def stand(self):
+    def write_run(self):
         """Write what has been collected: the machine stands before and behind it."""
         if self._items:
-            moves, tops = self._arrays()
-            self._write(moves, self._profile(moves, tops))
+            moves, tops = self._step_arrays()
+            self._write_steps(moves, self._speed_profile(moves, tops))
         else:
             self.parts += [text + "\n" for _, text in self._marks]
         self._items, self._marks, self._count = [], [], 0
 
-    def _arrays(self):
+    def _step_arrays(self):
         from host_tools.programs.pulse_gcode import moves_of
 
         counts = [item >> 8 for item, _ in self._items]
         tops = np.repeat([0.0 if speed is None else speed / 60 for _, speed in self._items], counts)
         return moves_of([item for item, _ in self._items], len(self._mm)), tops
 
-    def _profile(self, moves, tops):
+    def _speed_profile(self, moves, tops):
         """mm/s of each step; 0 where the operator decides."""
         ways = np.abs(moves * self._mm)
         way = np.sqrt((ways**2).sum(axis=1))
@@ -102,9 +102,9 @@ class _Maker:
         gates[0] = gates[-1] = 0.0
         at, out = 0, None
         for piece in pieces(moves, self._arcs):
-            into, end = self._directions(piece)
+            into, end = self._end_directions(piece)
             if out is not None:
-                gates[at] = self._corner(out, into)
+                gates[at] = self._corner_speed(out, into)
             length = way[at : at + piece.count].sum()
             chord = float(np.hypot.reduce(np.array(piece.deltas) * self._mm)) if not piece.centre else length
             if chord:
@@ -114,9 +114,9 @@ class _Maker:
                 limit[at : at + piece.count] = np.minimum(limit[at : at + piece.count], math.sqrt(self._accel * radius))
             at += piece.count
             out = end
-        return self._ramp(limit, gates, way)
+        return self._ramp_speeds(limit, gates, way)
 
-    def _ramp(self, limit, gates, way):
+    def _ramp_speeds(self, limit, gates, way):
         """Forward and backward: v² grows by 2 a s at most. The first and last step of a ramp from rest take their own length."""
         double = 2 * self._accel * way
         top = np.where(limit > 0, limit, self._fastest / 60) ** 2
@@ -129,7 +129,7 @@ class _Maker:
                     square[index] = most
         return np.where(limit > 0, np.sqrt(square), 0.0)
 
-    def _directions(self, piece):
+    def _end_directions(self, piece):
         """Unit vectors at a piece's start and end."""
         if not piece.centre:
             vector = np.array(piece.deltas) * self._mm
@@ -144,14 +144,14 @@ class _Maker:
             found.append(vector / (np.sqrt((vector**2).sum()) or 1.0))
         return found
 
-    def _corner(self, out, into):
+    def _corner_speed(self, out, into):
         cosine = float(out @ into)
         if cosine > _STRAIGHT:
             return np.inf
         half = math.sqrt(max(0.0, (1 + cosine) / 2))  # sine of half the angle between the sides
         return math.sqrt(self._accel * self._deviation * half / (1 - half)) if half < 1 else np.inf
 
-    def _write(self, moves, speeds):
+    def _write_steps(self, moves, speeds):
         """Steps, with a speed where it has changed by a level, and the marks at their places."""
         levels = np.where(speeds > 0, np.round(np.log(np.maximum(speeds, 1e-6)) / math.log(_FINER)), -(10**6)).astype(np.int64)
         masks = np.zeros(len(moves), np.int64)

@@ -1,6 +1,6 @@
 """The example cuts of LPTControl's document as pulse files: closed, with diagonals at the same path speed.
 
-    text("octagon", steps_per_mm=80)
+    shape_text("octagon", steps_per_mm=80)
 
 Plain Python: MicroPython runs it in the tests, too.
 """
@@ -17,26 +17,26 @@ _CODES = {(1, 0): "A", (-1, 0): "B", (0, 1): "C", (0, -1): "D", (1, 1): "G", (1,
 _LINE = 100  # codes
 
 
-def text(shape, steps_per_mm, speed=1000, down=None):
+def shape_text(shape, steps_per_mm, speed=1000, down=None):
     """The file of a shape: `[`, the speed, the tool on, the sides, all off. `down`: how many steps the tool goes down
     by (Z−) before it cuts, and up again behind."""
     corners = SHAPES[shape]
     steps = round(10 * steps_per_mm)
     parts = ["[\n+%d\n(\n" % speed]
     if down:
-        parts.append(lines("F" * down))
+        parts.append(break_lines("F" * down))
     for number in range(len(corners)):
         x, y = corners[number]
         to_x, to_y = corners[(number + 1) % len(corners)]
         count = max(abs(to_x - x), abs(to_y - y))
         code = _CODES[((to_x > x) - (to_x < x), (to_y > y) - (to_y < y))]
-        parts.append(lines(code * (count * steps)))
+        parts.append(break_lines(code * (count * steps)))
     if down:
-        parts.append(lines("E" * down))
+        parts.append(break_lines("E" * down))
     parts.append(")\n]\n")
     return "".join(parts)
 
 
-def lines(codes):
+def break_lines(codes):
     """`codes` in lines that an editor likes."""
     return "".join([codes[at : at + _LINE] + "\n" for at in range(0, len(codes), _LINE)])

@@ -43,7 +43,7 @@ def pieces(moves, arcs=True):
     finder = _Finder(moves, arcs)
     at = 0
     while at < len(moves):
-        piece = finder.piece(at)
+        piece = finder.next_piece(at)
         yield piece
         at += piece.count
 
@@ -55,32 +55,32 @@ class _Finder:
         self._arcs = arcs and moves.shape[1] > 1
         self._known = {}  # ends of lines, by their beginning
 
-    def piece(self, at):
-        count, two = self._line(at)
+    def next_piece(self, at):
+        count, two = self._find_line(at)
         if self._arcs:
-            found = self._arc(at, max(two, _LEAST_ARC))
+            found = self._find_arc(at, max(two, _LEAST_ARC))
             if found:
                 return found
             count = self._before_an_arc(at, count)
-        return Piece(count, self._deltas(at, at + count))
+        return Piece(count, self._deltas_of(at, at + count))
 
-    def _deltas(self, begin, end):
+    def _deltas_of(self, begin, end):
         return tuple(int(delta) for delta in self._places[end] - self._places[begin])
 
     # --- lines
 
-    def _line(self, at):
+    def _find_line(self, at):
         """(steps of the line from `at`, how far it and the next one lead)."""
-        ends = self._ends(at)
+        ends = self._line_ends(at)
         if at + ends[-1] == len(self._moves):
             return ends[-1], ends[-1]
-        best = max((count + self._reach(at + count), count) for count in ends[-_ENDS:])
+        best = max((count + self._line_reach(at + count), count) for count in ends[-_ENDS:])
         return best[1], best[0]
 
-    def _reach(self, at):
-        return self._ends(at)[-1] if at < len(self._moves) else 0
+    def _line_reach(self, at):
+        return self._line_ends(at)[-1] if at < len(self._moves) else 0
 
-    def _ends(self, at):
+    def _line_ends(self, at):
         """The possible numbers of steps of a line from `at`, in order."""
         if at not in self._known:
             if len(self._known) > 64:
@@ -99,12 +99,12 @@ class _Finder:
         moves = self._moves[at : at + window]
         signs = [_first_sign(moves[:, axis]) for axis in range(moves.shape[1])]
         same = (moves * np.array(signs, np.int8) >= 0).all(axis=1)
-        length = _leading(same)
+        length = _count_leading(same)
         counts = np.abs(np.cumsum(moves[:length], axis=0, dtype=np.int64))
         index = np.arange(1, length + 1)
         ends, goes_on = set(), False
         for dominant in range(moves.shape[1]):
-            full = _leading(counts[:, dominant] == index)
+            full = _count_leading(counts[:, dominant] == index)
             if not full:
                 continue
             possible, i = np.ones(full, bool), index[:full]
@@ -129,49 +129,49 @@ class _Finder:
         for plane in ((0, 1), (2, 0), (1, 2)):
             if max(plane) >= self._moves.shape[1]:
                 continue
-            fitted = self._fit(at + count, plane)
+            fitted = self._fit_circle(at + count, plane)
             if fitted is None or fitted[0] < _LEAST_ARC:
                 continue
             _, centre, clockwise = fitted
             start, end = self._places[at][list(plane)], self._places[at + count][list(plane)]
             way = end - start
             foot = float(((end - start) + centre) @ way) / float(way @ way or 1) * count
-            ends = [each for each in self._ends(at) if abs(each - foot) <= _TANGENT]
+            ends = [each for each in self._line_ends(at) if abs(each - foot) <= _TANGENT]
             best = count, 0
             for each in sorted(ends, key=lambda each: abs(each - foot))[: 2 * _ENDS]:
                 x, y = self._places[at + count][list(plane)] - self._places[at + each][list(plane)] + centre
-                follows = max(self._follows(at + each, whole, clockwise, plane) for whole in near((x, y), 1))
+                follows = max(self._count_followed(at + each, whole, clockwise, plane) for whole in near_centres((x, y), 1))
                 if follows > count - each + _LEAST_ARC and each + follows > sum(best):
                     best = each, follows
             if best[1]:
                 return best[0]
         return count
 
-    def _arc(self, at, least):
+    def _find_arc(self, at, least):
         """The arc from `at`, if there is one of more than `least` steps."""
         best = None
         for plane in ((0, 1), (2, 0), (1, 2)):
             if max(plane) < self._moves.shape[1]:
-                fitted = self._fit(at, plane)
+                fitted = self._fit_circle(at, plane)
                 if fitted and (best is None or fitted[0] > best[0]):
                     best = (*fitted, plane)
         if best is None or best[0] <= least:
             return None
         _, centre, clockwise, plane = best
-        found = max((self._follows(at, each, clockwise, plane), -index, each) for index, each in enumerate(near(centre)))
+        found = max((self._count_followed(at, each, clockwise, plane), -index, each) for index, each in enumerate(near_centres(centre)))
         if found[0] <= least:
             return None
-        return self._ending(at, found[0], found[2], clockwise, plane, least)
+        return self._end_arc(at, found[0], found[2], clockwise, plane, least)
 
-    def _fit(self, at, plane):
+    def _fit_circle(self, at, plane):
         """(steps, centre, clockwise) of the circle through the point at `at` on which the most steps lie, or None."""
         others = [axis for axis in range(self._moves.shape[1]) if axis not in plane]
-        still = _leading(~self._moves[at:, others].any(axis=1)) if others else len(self._moves) - at
+        still = _count_leading(~self._moves[at:, others].any(axis=1)) if others else len(self._moves) - at
         points = self._places[at : at + still + 1][:, list(plane)] - self._places[at][list(plane)]
         found, count, beyond = None, _WINDOW // 4, still
         while True:
             count = min(count, still)
-            fitted = circle(points[: count + 1])
+            fitted = fit_circle(points[: count + 1])
             if fitted is not None and fitted[1] <= _OFF:
                 found, beyond = (count, fitted[0]), still
             elif found:
@@ -184,7 +184,7 @@ class _Finder:
         low, high = found[0], beyond
         while high - low > 8:
             middle = (low + high) // 2
-            fitted = circle(points[: middle + 1])
+            fitted = fit_circle(points[: middle + 1])
             if fitted is None or fitted[1] > _OFF:
                 high = middle
             else:
@@ -198,7 +198,7 @@ class _Finder:
         clockwise = bool(-x * far[1] + y * far[0] < 0)
         return count, (x, y), clockwise
 
-    def _follows(self, at, centre, clockwise, plane):
+    def _count_followed(self, at, centre, clockwise, plane):
         """How many steps from `at` the walk of the full circle about `centre` makes, too."""
         return self._walk_arc(at, centre, clockwise, plane, [0] * self._moves.shape[1], True)[0]
 
@@ -229,18 +229,18 @@ class _Finder:
             made = np.stack([((masks >> axis) & 1).astype(np.int8) * (-1 if negative >> axis & 1 else 1) for axis in range(axes)], axis=1)
             if len(wanted) < count or not np.array_equal(made, wanted):
                 same = made[: len(wanted)] == wanted
-                return done + _leading(same.all(axis=1)), False
+                return done + _count_leading(same.all(axis=1)), False
             done += count
         return done, True
 
-    def _ending(self, at, follows, centre, clockwise, plane, least):
+    def _end_arc(self, at, follows, centre, clockwise, plane, least):
         """The arc that ends where the circle is left, or a little behind or before that: the longest whose walk is exactly so."""
         radius = int(np.hypot(*centre))
         possible = []
         first = min(follows + _TAIL, len(self._moves) - at)
         last = max(follows - 2 * _TAIL - int(2 * radius**0.5), least)
         for count in range(first, last, -1):
-            deltas = self._deltas(at, at + count)
+            deltas = self._deltas_of(at, at + count)
             x, y = -centre[0], -centre[1]
             end_x, end_y = deltas[plane[0]] + x, deltas[plane[1]] + y
             cross = (x * end_y - y * end_x) * (-1 if clockwise else 1)
@@ -249,12 +249,12 @@ class _Finder:
                 piece = Piece(count, deltas, plane, centre, clockwise)
                 if at + count == len(self._moves):
                     return piece
-                possible.append((count + self._reach(at + count), -self._bend(at + count, plane, (end_x, end_y)), count, piece))
+                possible.append((count + self._line_reach(at + count), -self._bend_at(at + count, plane, (end_x, end_y)), count, piece))
         return max(possible, key=lambda row: row[:3])[3] if possible else None
 
-    def _bend(self, at, plane, radius):
+    def _bend_at(self, at, plane, radius):
         """How far the line that goes on from `at` is from the arc's tangent there: 0 along it, 1 across it."""
-        way = self._places[at + self._reach(at)][list(plane)] - self._places[at][list(plane)]
+        way = self._places[at + self._line_reach(at)][list(plane)] - self._places[at][list(plane)]
         return round(abs(float(way @ radius)) / float(np.hypot(*way) * np.hypot(*radius) or 1), 3)
 
 
@@ -263,13 +263,13 @@ def _first_sign(column):
     return int(column[moving[0]]) if len(moving) else 1
 
 
-def _leading(flags):
+def _count_leading(flags):
     """How many of `flags` are true before the first that is not."""
     wrong = np.flatnonzero(~np.asarray(flags, bool))
     return int(wrong[0]) if len(wrong) else len(flags)
 
 
-def circle(points):
+def fit_circle(points):
     """(centre, how far the farthest point lies off) of the circle through 0;0 nearest to `points`; None if they lie in a row."""
     x, y = points[:, 0].astype(float), points[:, 1].astype(float)
     square = (x * x + y * y) / 2
@@ -298,7 +298,7 @@ def circle(points):
     return (float(centre[0]), float(centre[1])), float(np.abs(np.hypot(x - centre[0], y - centre[1]) - radius).max())
 
 
-def near(centre, reach=None):
+def near_centres(centre, reach=None):
     """Whole centres: those around `centre`, and those along the radius, where a short arc says least; the nearest first. `reach`: how
     far along, in steps."""
     x, y = centre

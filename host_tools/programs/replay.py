@@ -16,7 +16,7 @@ from dataclasses import replace
 from host_tools.clients.grbl import explain_error
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
-from host_tools.programs.replay_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
+from host_tools.programs.replay_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact_words
 from passo import commands, errors
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
@@ -34,7 +34,7 @@ _OTHER_MM = 1.0
 _DOTS_A_LINE = 8  # so that it is no line too long
 
 
-def _close(place, other):
+def _is_near(place, other):
     return all(abs(one - two) <= _NEAR_STEPS for one, two in zip(place, other))
 
 
@@ -69,17 +69,17 @@ class Replay:
     def from_line(self, number, end=None):
         """Begin at line `number` of the file, from where the lines before it end. `end`: where the machine has been there, steps.
         Raises Failure."""
-        at = self._index(number)
+        at = self._index_of(number)
         for index in range(at):
             self._carry_out(index)
-        if end and not _close(end, self._board.target):
+        if end and not _is_near(end, self._board.target):
             raise Failure(
                 "before line {} the machine was at {}, and by the file it is at {}: the file or zero has changed, or it began elsewhere",
                 number, self._position_text(end), self._position_text(self._board.target),
             )
-        return self._stages(self._level(), None), self._rest(at)
+        return self._build_stages(self._level_place(), None), self._remaining_rows(at)
 
-    def _level(self):
+    def _level_place(self):
         """The program's position in steps; in a series of cycles Z is at least the height to which G98 returns, at which
         the series begins anew."""
         place = list(self._board.target)
@@ -91,26 +91,26 @@ class Replay:
     def from_place(self, number, place):
         """Go on amid line `number`, at `place` (steps from machine zero) on its way. A line that is neither a
         single straight motion nor an arc of one turn at most is done again from its start. Raises Failure if the place is not on its path."""
-        at = self._index(number)
+        at = self._index_of(number)
         for index in range(at):
             self._carry_out(index)
         start = list(self._board.target)
-        before = self._stages(self._level(), None)
-        motion = self._single(at)
+        before = self._build_stages(self._level_place(), None)
+        motion = self._single_motion(at)
         if motion is None or list(place) == start:
-            return before, self._rest(at)
+            return before, self._remaining_rows(at)
         if not self._loose and not self._on_path(motion, start, place):
             raise Failure("line {}: the place {} is not on its path; the file, or zero, has changed", number, self._position_text(place))
         self._board.target = list(motion.target)
         if list(place) == list(motion.target):
-            return self._stages(list(place), None), self._rest(at + 1)
+            return self._build_stages(list(place), None), self._remaining_rows(at + 1)
         if motion.dots:
-            modes, moving, after = [f"G90G21{self._feed(motion)}"], self._dots_left(motion, start, place), [f"S{self._gcode.rpm / 1000:.3f}"]
+            modes, moving, after = [f"G90G21{self._feed_words(motion)}"], self._dots_left(motion, start, place), [f"S{self._gcode.rpm / 1000:.3f}"]
         else:
-            *modes, last = self._remainder(motion, start, place)
+            *modes, last = self._remaining_lines(motion, start, place)
             moving, after = [last], []
         moving = [self._with_number(at, line) for line in moving]
-        return self._stages(list(place), [*modes, *moving, *after]), self._rest(at + 1)
+        return self._build_stages(list(place), [*modes, *moving, *after]), self._remaining_rows(at + 1)
 
     def _with_number(self, at, line):
         """`line` with the number of line `at`: to the journal it is that line."""
@@ -124,8 +124,8 @@ class Replay:
         changed = self._find_changes()
         if not changed:
             return
-        at = self._index(number)
-        twins = [Replay(machine, self._lines) for machine in (self._machine, self._otherwise(changed))]
+        at = self._index_of(number)
+        twins = [Replay(machine, self._lines) for machine in (self._machine, self._with_other_offsets(changed))]
         for index in range(len(self._lines)):
             for twin in twins:
                 twin._carry_out(index)
@@ -160,7 +160,7 @@ class Replay:
                 changed.setdefault(f"G{54 + each}", set()).update(axes)
         return changed
 
-    def _otherwise(self, changed):
+    def _with_other_offsets(self, changed):
         """The machine, those places being others."""
         machine = self._machine
         count = len(machine.steps_per_mm)
@@ -174,7 +174,7 @@ class Replay:
     def from_start(self, number, place, done):
         """The replay that begins where the machine stood when the program did, as far as that decides anything: found from `place`, where it was
         when the line before `number` was `done`, or amid line `number`. Raises Failure if that does not tell."""
-        at = self._index(number)
+        at = self._index_of(number)
         twins = [Replay(self._machine, self._lines, [round(by * scale) for scale in self._machine.steps_per_mm]) for by in (0, _OTHER_MM)]
         for twin in twins:
             for index in range(at):
@@ -183,7 +183,7 @@ class Replay:
         here = list(first._board.target)
         doubted = [axis for axis in range(len(here)) if here[axis] != second._board.target[axis]]
         unsure = [axis for axis in range(len(here)) if first._all_offsets(axis) != second._all_offsets(axis) and axis not in doubted]
-        motions = [None if done else twin._single(at) for twin in twins]
+        motions = [None if done else twin._single_motion(at) for twin in twins]
         start = [0] * len(here)
         loose = False
         for axis in doubted:
@@ -207,7 +207,7 @@ class Replay:
         offsets = self._offsets
         return [offsets.of(system, axis) for system in range(SYSTEMS)], [places[axis] for places in offsets.homes.values()]
 
-    def _index(self, number):
+    def _index_of(self, number):
         for index, (known, _) in enumerate(self._lines):
             if known >= number:
                 return index
@@ -215,12 +215,12 @@ class Replay:
 
     def check(self):
         """Raise RefusedLine at the first line that the parser refuses. `$` lines are passed over."""
-        for command in (made for at, row in enumerate(self._lines) if row[1][:1] != b"$" for made in self._interpret(at)):
+        for command in (made for at, row in enumerate(self._lines) if row[1][:1] != b"$" for made in self._interpret_line(at)):
             self._board.target = self._board.target if command.target is None else list(command.target)
 
     # --- replaying
 
-    def _interpret(self, index):
+    def _interpret_line(self, index):
         number, line = self._lines[index]
         if line.startswith(b"$"):
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
@@ -230,7 +230,7 @@ class Replay:
         return list(commands_of(self._gcode.commands))
 
     def _carry_out(self, index):
-        for command in self._interpret(index):
+        for command in self._interpret_line(index):
             if command.kind == commands.PROBE:
                 raise Failure("line {} probes: where it touched is not known; begin before it", self._lines[index][0])
             if command.target is not None:
@@ -238,9 +238,9 @@ class Replay:
                 if len(command.target) > TOOL_AXIS:
                     self._highest = max(command.target[TOOL_AXIS], self._highest or command.target[TOOL_AXIS])
 
-    def _single(self, index):
+    def _single_motion(self, index):
         """The only motion of a line, a line or an arc of one turn at most; None for all others."""
-        made = [command for command in self._interpret(index) if command.target is not None]
+        made = [command for command in self._interpret_line(index) if command.target is not None]
         if len(made) != 1 or made[0].kind not in (commands.LINE, commands.ARC):
             return None
         return made[0] if made[0].kind == commands.LINE or made[0].turns == 1 else None
@@ -268,30 +268,30 @@ class Replay:
 
     # --- what is sent
 
-    def _mm(self, steps, axis):
+    def _steps_mm(self, steps, axis):
         return steps[axis] / self._machine.steps_per_mm[axis]
 
-    def _words(self, steps, axes=None):
-        return "".join(f"{AXES[axis]}{self._mm(steps, axis):.5f}" for axis in (axes if axes is not None else range(len(steps))))
+    def _axis_words(self, steps, axes=None):
+        return "".join(f"{AXES[axis]}{self._steps_mm(steps, axis):.5f}" for axis in (axes if axes is not None else range(len(steps))))
 
     def _position_text(self, place):
-        return self._words(place) + " mm"
+        return self._axis_words(place) + " mm"
 
-    def _feed(self, motion):
+    def _feed_words(self, motion):
         if motion.per_min:
             return f"G93F{motion.per_min / 1000:.3f}"
         return f"G94F{motion.feed * 60 / NM:.4f}"
 
-    def _remainder(self, motion, start, place):
+    def _remaining_lines(self, motion, start, place):
         """The lines that lead from `place` to the end of `motion`, absolute and in millimetres; the last moves."""
         if motion.kind == commands.LINE:
             if not motion.feed and not motion.per_min:
-                return ["G90G21", f"G53G0{self._words(motion.target)}"]
+                return ["G90G21", f"G53G0{self._axis_words(motion.target)}"]
             if motion.per_min:  # the rest of the minute's part
                 long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
                 left = (motion.target[long] - place[long]) / (motion.target[long] - start[long])
-                return ["G90G21G93", f"G53G1{self._words(motion.target)}F{motion.per_min / 1000 / left:.3f}"]
-            return [f"G90G21{self._feed(motion)}", f"G53G1{self._words(motion.target)}"]
+                return ["G90G21G93", f"G53G1{self._axis_words(motion.target)}F{motion.per_min / 1000 / left:.3f}"]
+            return [f"G90G21{self._feed_words(motion)}", f"G53G1{self._axis_words(motion.target)}"]
         if motion.per_min:
             raise Failure("an arc in G93 cannot be gone on with amid its way; begin at its line with --from")
         centre = [start[axis] + by - place[axis] for axis, by in zip((motion.first, motion.second), motion.centre)]
@@ -299,11 +299,11 @@ class Replay:
         ways = "".join(f"{letters[axis]}{by / self._machine.steps_per_mm[axis]:.5f}"
                        for axis, by in zip((motion.first, motion.second), centre))  # fmt: skip
         ends = "".join(
-            f"{AXES[axis]}{self._mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}"
+            f"{AXES[axis]}{self._steps_mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}"
             for axis in range(min(len(place), 3))
         )
         plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
-        return [f"G90G21G{plane}{self._feed(motion)}", f"G{2 if motion.clockwise else 3}{ends}{ways}"]
+        return [f"G90G21G{plane}{self._feed_words(motion)}", f"G{2 if motion.clockwise else 3}{ends}{ways}"]
 
     def _dots_left(self, motion, start, place):
         """The lines that burn what is left of a row of dots: of the one under way, then of the others, several a line."""
@@ -321,54 +321,54 @@ class Replay:
         for first, behind in itertools.pairwise([begun, *range(begun + 1, len(powers), _DOTS_A_LINE), len(powers)]):
             end = [at + round((to - at) * ends[behind - 1] / abs(span)) for at, to in zip(start, motion.target)]
             if end != before:
-                lines.append(f"G53G1{self._words(end)}S{':'.join(powers[first:behind])}")
+                lines.append(f"G53G1{self._axis_words(end)}S{':'.join(powers[first:behind])}")
                 before = end
         return lines
 
-    def _stages(self, place, remainder):
+    def _build_stages(self, place, remainder):
         """[(what, lines)] up to the state that holds now, at `place`."""
         gcode, machine = self._gcode, self._machine
         gcode.leave_batch()
-        self.held = self._holds(place)
+        self.held = self._state_at_line(place)
         depth = len(place) > TOOL_AXIS and not machine.laser
-        stages = [(OFFSETS, self._places())]
+        stages = [(OFFSETS, self._offset_lines())]
         if depth:
-            stages.append((UP, [f"G53G0Z{self._up():.5f}"]))
-        stages.append((OVER, [f"G53G0{exact(self._board, self._gcode.position, place, (0, 1, 3) if len(place) > 3 else (0, 1)[: len(place)])}"]))
-        shift = self._shift(place)
-        outputs = [] if machine.laser else self._spindle()
+            stages.append((UP, [f"G53G0Z{self._clear_height():.5f}"]))
+        stages.append((OVER, [f"G53G0{exact_words(self._board, self._gcode.position, place, (0, 1, 3) if len(place) > 3 else (0, 1)[: len(place)])}"]))
+        shift = self._shift_lines(place)
+        outputs = [] if machine.laser else self._spindle_lines()
         if gcode.tool:
             outputs.insert(0, f"T{gcode.tool}")
-        stages.append((OUTPUTS, outputs + self._coolant()))
+        stages.append((OUTPUTS, outputs + self._coolant_lines()))
         down = []
         if depth:
-            down.append(f"G53G0Z{min(self._mm(place, 2) + _CLEARANCE_MM, self._up()):.5f}")
+            down.append(f"G53G0Z{min(self._steps_mm(place, 2) + _CLEARANCE_MM, self._clear_height()):.5f}")
             feed = min(gcode.feed * 60 / NM or _PLUNGE_MM_MIN, _PLUNGE_MM_MIN)
-            down.append(f"G94G53G1{exact(self._board, self._gcode.position, place, (2,))}F{feed:.1f}")
+            down.append(f"G94G53G1{exact_words(self._board, self._gcode.position, place, (2,))}F{feed:.1f}")
         elif len(place) > TOOL_AXIS:
-            down.append(f"G53G0Z{self._mm(place, 2):.5f}")
+            down.append(f"G53G0Z{self._steps_mm(place, 2):.5f}")
         stages.append((DOWN, down + shift))
-        laser = ["G0", *self._spindle()] if machine.laser else []
-        stages.append((GO, laser + (remainder or []) + self._modes()))
+        laser = ["G0", *self._spindle_lines()] if machine.laser else []
+        stages.append((GO, laser + (remainder or []) + self._mode_lines()))
         return [(what, lines) for what, lines in stages if lines]
 
-    def _holds(self, place):
+    def _state_at_line(self, place):
         """The state of the program as people say it, for a page: lengths in mm of the work, the feed in mm/min."""
         gcode = self._gcode
-        work = [round(self._mm(place, axis) - self._offsets.of(gcode.system, axis) / NM, 3) for axis in range(len(place))]
+        work = [round(self._steps_mm(place, axis) - self._offsets.of(gcode.system, axis) / NM, 3) for axis in range(len(place))]
         return {
             "place": work, "system": f"G{54 + gcode.system}", "tool": gcode.tool, "spindle": gcode.spindle, "rpm": round(gcode.rpm / 1000),
             "coolant": gcode.coolant, "feed": round(gcode.feed * 60 / NM) if gcode.per_minute else 0, "inches": bool(gcode.inches),
             "absolute": bool(gcode.absolute), "laser": bool(self._machine.laser),
         }  # fmt: skip
 
-    def _up(self):
+    def _clear_height(self):
         """The height at which the tool is clear of everything, mm."""
         if self._machine.homes:
             return self._machine.top_mm
         return (self._highest or 0) / self._machine.steps_per_mm[TOOL_AXIS] + _CLEARANCE_MM
 
-    def _places(self):
+    def _offset_lines(self):
         lines = ["G90G21G94G17G40G49M5M9", f"G{54 + self._gcode.system}", "G92.1"]
         for system in range(SYSTEMS):
             kept = [round(place * NM) for place in self._machine.systems.get(f"G{54 + system}", [0] * self._gcode.axes)]
@@ -379,22 +379,22 @@ class Replay:
             lines.append(f"G43.1Z{self._offsets.tool / NM:.5f}")
         return lines
 
-    def _shift(self, place):
+    def _shift_lines(self, place):
         if not any(self._offsets.shift):
             return []
         words = "".join(
-            f"{AXES[axis]}{self._mm(place, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
+            f"{AXES[axis]}{self._steps_mm(place, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
         )
         return [f"G92{words}"]
 
-    def _spindle(self):
+    def _spindle_lines(self):
         gcode = self._gcode
         return [f"M{gcode.spindle}S{gcode.rpm / 1000:.3f}"] if gcode.spindle != 5 else [f"S{gcode.rpm / 1000:.3f}"] if gcode.rpm else []
 
-    def _coolant(self):
+    def _coolant_lines(self):
         return [f"M{code}" for bit, code in ((1, 8), (2, 7)) if self._gcode.coolant & bit]
 
-    def _modes(self):
+    def _mode_lines(self):
         gcode = self._gcode
         words = f"G{20 if gcode.inches else 21}G{90 if gcode.absolute else 91}G{gcode.plane}"
         words += f"G{98 if gcode.initial else 99}"
@@ -403,19 +403,19 @@ class Replay:
             unit = 25.4 if gcode.inches else 1
             feed = f"F{gcode.feed * 60 / NM / unit:.5f}"
         words += f"G{94 if gcode.per_minute else 93}"
-        motion = 80 if self._unsaid() else gcode.motion // 100
+        motion = 80 if self._mode_needs_motion() else gcode.motion // 100
         return [words, f"G{motion}{feed}"]
 
-    def _unsaid(self):
+    def _mode_needs_motion(self):
         """True if the mode of motion cannot be set by a line that does not move."""
         gcode = self._gcode
         return gcode.motion not in (0, 100, 8000) or gcode.motion == 100 and not (gcode.per_minute and gcode.feed)
 
-    def _rest(self, at):
+    def _remaining_rows(self, at):
         """The lines from index `at` on; the first that relies on a mode which no line without axis words can restore says it."""
         rest = self._lines[at:]
         mode = self._gcode.motion
-        if not self._unsaid():
+        if not self._mode_needs_motion():
             return rest
         rest = list(rest)
         for index, (number, line) in enumerate(rest):
@@ -424,11 +424,11 @@ class Replay:
             if self._gcode._found[MOTION] != NONE:
                 break
             if [command for command in self._gcode.commands if command.target is not None]:
-                rest[index] = number, b"G%d" % (mode // 100) + (self._heights(mode, line) if CODES[mode] & CYCLE else b"") + line
+                rest[index] = number, b"G%d" % (mode // 100) + (self._cycle_words(mode, line) if CODES[mode] & CYCLE else b"") + line
                 break
         return rest
 
-    def _heights(self, mode, line):
+    def _cycle_words(self, mode, line):
         """The words of a canned cycle that `line` leaves to those before it."""
         gcode = self._gcode
         _, _, above, bottom, dwell, peck = gcode.cycle

@@ -68,7 +68,7 @@ class Board:
         self.coolant = 0
 
 
-def exact(board, position, steps, axes):
+def exact_words(board, position, steps, axes):
     """The words of a place in steps; of an axis on which the program stands there, its `position` to the nanometre: an arc that closes
     there is a whole turn."""
     found = ""

@@ -19,17 +19,17 @@ def resume_point(said, lines, stored=0):
     if record.job not in (number_of(lines), stored):
         raise Failure("the board's journal is of another file, or the file has changed; begin at a line with passo stream --from")
     if not line:
-        return lines[0][0], None, record.known
+        return lines[0][0], None, record.is_known
     if record.done:
         if line >= lines[-1][0]:
             raise Failure("the file was done to its end")
-        return line + 1, None, record.known
-    return line, record.place, record.known
+        return line + 1, None, record.is_known
+    return line, record.place, record.is_known
 
 
 def end_position(said):
     """The end, in steps, of the line that an answer to `$JR` says is done; before the first line where the program began; None amid a line."""
-    record = Record.of(said)
+    record = Record.of_answer(said)
     return record.place if record.done or not record.line else None
 
 

@@ -1,6 +1,6 @@
 """Jobs in the form in which a board stores them.
 
-    packed = pack(data)                     # what follows the first line of a file of options/jobs/config.py
+    packed = pack_job(data)                     # what follows the first line of a file of options/jobs/config.py
     data = gcode_job(path)                  # the lines of a file, numbered; Failure if it is none
 """
 
@@ -25,13 +25,13 @@ def name_by_crc(said, number):
     return next((name for name, _, _, crc, _ in LISTED.findall("\n".join(said)) if int(crc, 16) == number), "")
 
 
-def pack(data):
+def pack_job(data):
     """`data` deflated, with the window that a board has."""
     packer = zlib.compressobj(9, zlib.DEFLATED, -WINDOW_BITS, 9)
     return packer.compress(data) + packer.flush()
 
 
-def crc(data):
+def crc_of(data):
     return binascii.crc32(data)
 
 
@@ -61,8 +61,8 @@ def gcode_lines(lines):
 
 def job_file(language, data):
     """`data` as a file of a board's folder of jobs."""
-    packed = pack(data)
-    return first_line(language, len(data), crc(data), len(packed)) + packed
+    packed = pack_job(data)
+    return first_line(language, len(data), crc_of(data), len(packed)) + packed
 
 
 def write_on_card(card, name, language, data):

@@ -1,6 +1,6 @@
 """The program that faces a piece of work: rows to and fro over a rectangle, level by level, from outside in.
 
-    lines = surface({"x": 100, "y": 80, "tool": 20, "overlap": 40, "depth": 1, "cut": 0.5, "feed": 1500, "plunge": 300, "rpm": 12000, "safe": 5})
+    lines = surface_lines({"x": 100, "y": 80, "tool": 20, "overlap": 40, "depth": 1, "cut": 0.5, "feed": 1500, "plunge": 300, "rpm": 12000, "safe": 5})
 
 Zero of X and Y is the front left corner of the rectangle, zero of Z the top of the work. Sizes in mm, speeds in mm/min, `overlap` in per
 cent of the tool. The tool goes down beside the work, never into it. It runs under MicroPython too, in a browser's tab.
@@ -10,23 +10,23 @@ BESIDE_MM = 2.0  # between the tool and the work where it goes down
 MOST_ROWS = 5000  # of all levels
 
 
-def levels(depth, cut):
+def pass_depths(depth, cut):
     """Depths of the passes, equal and none deeper than `cut`."""
     count = max(1, -int(-depth / cut // 1))
     return [depth * (n + 1) / count for n in range(count)]
 
 
-def rows(y, step):
+def row_positions(y, step):
     """Positions of rows from 0 to `y`: equal, and no farther from each other than `step`."""
     count = max(1, -int(-y / step // 1))
     return [y * n / count for n in range(count + 1)]
 
 
-def surface(size):
+def surface_lines(size):
     """Lines of G-code; None if there were too many."""
     step = size["tool"] * (1 - size["overlap"] / 100)
-    passes = levels(size["depth"], size["cut"])
-    across = rows(size["y"], step)
+    passes = pass_depths(size["depth"], size["cut"])
+    across = row_positions(size["y"], step)
     if len(passes) * len(across) > MOST_ROWS:
         return None
     out = size["tool"] / 2 + BESIDE_MM

@@ -1,7 +1,7 @@
 """A black box as people read it: its events, line by line, and a picture of them.
 
     lines_of(box)                       # lines of text
-    draw(path, box, replay)             # PNG: lines, states, inputs, position and speed of each axis
+    draw_timeline(path, box, replay)             # PNG: lines, states, inputs, position and speed of each axis
 """
 
 from host_tools.language import _, error_text
@@ -16,32 +16,32 @@ _ROWS = 3  # of texts above the bars
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
 
 
-def mm(board, position):
+def mm_text(board, position):
     """`X12.500 Y3.000` of steps."""
     return " ".join(f"{axis['name'].upper()}{1000 * at / axis['steps_per_m']:.3f}" for axis, at in zip(board["axes"], position))
 
 
-def _words():
+def _event_texts():
     return {
         HALTED: _("stopped at once at {}"), DROPPED: _("stood at {}, the rest dropped"), STOOD: _("stood at {}, held"), SAMPLE: _("at {}"),
     }  # fmt: skip
 
 
-def _orders():
+def _order_texts():
     return {
         commands.HOLD: _("hold"), commands.RESUME: _("go on"), commands.DOOR: _("door, as an order"), commands.JOG_CANCEL: _("end of a jog"),
         commands.RESET: _("reset, Ctrl-X"), commands.STOP: _("stop, of another link"),
     }  # fmt: skip
 
 
-def reason(box):
+def reason_text(box):
     """The event behind which the black box was written, for people."""
     return {
         "alarm": _("an alarm"), "end": _("the firmware ended: a crash, or the prompt was asked for"), "reset": _("a reset: the watchdog, or its button"),
     }.get(box.why, box.why)  # fmt: skip
 
 
-def seconds(box, ms):
+def seconds_to_end(box, ms):
     return (ms - box.end_ms) / 1000
 
 
@@ -53,8 +53,8 @@ def row_text(box, row, before):
     if row.kind == LOGGED:
         return error_text(row.value)
     if row.kind == ORDER:
-        return _orders().get(row.value, str(row.value))
-    return _words()[row.kind].format(mm(box.board, row.position)) + (f", {row.state}, {row.override} %" if row.kind == SAMPLE else "")
+        return _order_texts().get(row.value, str(row.value))
+    return _event_texts()[row.kind].format(mm_text(box.board, row.position)) + (f", {row.state}, {row.override} %" if row.kind == SAMPLE else "")
 
 
 def lines_of(box):
@@ -64,20 +64,20 @@ def lines_of(box):
     for row in rows:
         if row.come > come:
             text = box.text[come - box.base : row.come - box.base]
-            yield "         > " + (text.decode("ascii", "backslashreplace").strip().replace("\r", "").replace("\n", " | ") if _plain(text) else text.hex(" "))
+            yield "         > " + (text.decode("ascii", "backslashreplace").strip().replace("\r", "").replace("\n", " | ") if _is_plain(text) else text.hex(" "))
             come = row.come
-        yield f"{seconds(box, row.ms):9.3f}  {row_text(box, row, levels)}"
+        yield f"{seconds_to_end(box, row.ms):9.3f}  {row_text(box, row, levels)}"
         levels = row.levels or levels
 
 
-def _plain(text):
+def _is_plain(text):
     return all(byte in b"\r\n\t" or 32 <= byte < 127 for byte in text)
 
 
 def speeds(rows, axis, per_mm):
     """([ms], [mm/s]) of an axis, of a replay's rows (ms, *position, tool)."""
     times, values = [], []
-    for first, last in _spans(rows):
+    for first, last in _speed_spans(rows):
         span = rows[last][0] - rows[first][0]
         if span > 0:
             times.append((rows[first][0] + rows[last][0]) / 2)
@@ -85,7 +85,7 @@ def speeds(rows, axis, per_mm):
     return times, values
 
 
-def _spans(rows):
+def _speed_spans(rows):
     """Pairs of indices _SPEED_MS apart; a pause is a span of its own."""
     first = 0
     for last in range(1, len(rows)):
@@ -94,7 +94,7 @@ def _spans(rows):
             first = last
 
 
-def clock(box, replay):
+def board_clock(box, replay):
     """As a function of ms of a replay, in arrays: the board's. The replay begins at the end of a queue that the board still had to play, and waits for
     no host: samples say when the board was where it is, and between two of them a pause takes what it is ahead."""
     import numpy
@@ -123,7 +123,7 @@ def clock(box, replay):
     return lambda ms: numpy.asarray(ms, float) + numpy.interp(ms, times, shifts)
 
 
-def draw(path, box, replay=None):
+def draw_timeline(path, box, replay=None):
     """Write the timeline. Of a board alone: places; with its replay the path and speeds of each axis, too, at the board's times."""
     from host_tools.figures import pyplot
 
@@ -133,7 +133,7 @@ def draw(path, box, replay=None):
     figure, plots = plt.subplots(count, 1, sharex=True, figsize=_INCHES, layout="constrained", height_ratios=[3] + [2] * (count - 1))
     rows, states = [], [(row.ms, row.state) for row in box.samples]
     if replay:
-        of = clock(box, replay)
+        of = board_clock(box, replay)
         rows = [(ms, *row[1:]) for ms, row in zip(of([row[0] for row in replay.rows]).tolist(), replay.rows)]
         states = [(float(of(ms)), text) for ms, text in replay.events]
     _draw_events(plots[0], box, states)
@@ -141,23 +141,23 @@ def draw(path, box, replay=None):
         per_mm = axis["steps_per_m"] / 1000
         plot = plots[1 + number]
         if rows:
-            plot.plot([seconds(box, row[0]) for row in rows], [row[1 + number] / per_mm for row in rows], linewidth=1, label=_("virtual board"))
+            plot.plot([seconds_to_end(box, row[0]) for row in rows], [row[1 + number] / per_mm for row in rows], linewidth=1, label=_("virtual board"))
         seen = [row for row in box.rows + box.samples if row.position]
-        plot.plot([seconds(box, row.ms) for row in seen], [row.position[number] / per_mm for row in seen], "k.", markersize=4, label=_("the board"))
+        plot.plot([seconds_to_end(box, row.ms) for row in seen], [row.position[number] / per_mm for row in seen], "k.", markersize=4, label=_("the board"))
         plot.set_ylabel(_("{}, mm", axis["name"].upper()))
         if replay:
             times, values = speeds(rows, number, per_mm)
-            plots[1 + len(axes) + number].plot([seconds(box, ms) for ms in times], values, linewidth=0.8, drawstyle="steps-mid")
+            plots[1 + len(axes) + number].plot([seconds_to_end(box, ms) for ms in times], values, linewidth=0.8, drawstyle="steps-mid")
             plots[1 + len(axes) + number].set_ylabel(_("{}, mm/s", axis["name"].upper()))
-    stops = [seconds(box, row.ms) for row in box.rows if row.kind in (HALTED, DROPPED, STOOD)]
+    stops = [seconds_to_end(box, row.ms) for row in box.rows if row.kind in (HALTED, DROPPED, STOOD)]
     for plot in plots:
         for number, at in enumerate(stops):
             plot.axvline(at, color="tab:red", linewidth=0.7, linestyle="--", label="" if number else _("stopped"))
     plots[1].legend(loc="best", fontsize=8)
     plots[-1].set_xlabel(_("s before the end of the black box"))
-    first = seconds(box, min([row.ms for row in box.rows + box.samples], default=box.end_ms))
+    first = seconds_to_end(box, min([row.ms for row in box.rows + box.samples], default=box.end_ms))
     plots[0].set_xlim(1.02 * first, max(-0.02 * first, 0.01))
-    figure.suptitle(f"{box.board['name']}: {reason(box)}")
+    figure.suptitle(f"{box.board['name']}: {reason_text(box)}")
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
@@ -171,20 +171,20 @@ def _draw_events(plot, box, states):
     come = [(row.ms, row.come) for row in sorted(box.rows + box.samples, key=lambda row: row.ms)]
     for (ms, before), (until, behind) in zip(come, come[1:]):
         if behind > before:
-            plot.barh(0, seconds(box, until) - seconds(box, ms), left=seconds(box, ms), height=0.6, color="tab:blue", alpha=0.6)
+            plot.barh(0, seconds_to_end(box, until) - seconds_to_end(box, ms), left=seconds_to_end(box, ms), height=0.6, color="tab:blue", alpha=0.6)
     states = [(ms, text) for ms, text in states if not text.isdigit() and ms < box.end_ms]
     for (ms, text), (until, _state) in zip(states, [*states[1:], (box.end_ms, "")]):
-        plot.barh(1, max(until - ms, 0) / 1000, left=seconds(box, ms), height=0.6, color=_COLORS.get(text, "tab:green"), alpha=0.5)
+        plot.barh(1, max(until - ms, 0) / 1000, left=seconds_to_end(box, ms), height=0.6, color=_COLORS.get(text, "tab:green"), alpha=0.5)
         if until - ms > (box.end_ms - first_ms) / 40:
-            plot.text(seconds(box, (ms + until) / 2), 1, text, ha="center", va="center", fontsize=8)
+            plot.text(seconds_to_end(box, (ms + until) / 2), 1, text, ha="center", va="center", fontsize=8)
     for place, name in enumerate(names, 2):
         for row, until in zip(inputs, [*[row.ms for row in inputs[1:]], box.end_ms + 100]):
             if row.levels[name]:
-                plot.barh(place, (until - row.ms) / 1000, left=seconds(box, row.ms), height=0.6, color="tab:orange")
+                plot.barh(place, (until - row.ms) / 1000, left=seconds_to_end(box, row.ms), height=0.6, color="tab:orange")
     said = [row for row in box.rows if row.kind in (LOGGED, ORDER)]
     for count, row in enumerate(said):
-        plot.axvline(seconds(box, row.ms), color="0.5", linewidth=0.6)
+        plot.axvline(seconds_to_end(box, row.ms), color="0.5", linewidth=0.6)
         height = len(labels) + 0.8 * (count % _ROWS)
-        plot.text(seconds(box, row.ms), height, row_text(box, row, {}).split(":")[0] + " ", ha="right", va="center", fontsize=7, bbox=_PAPER)
+        plot.text(seconds_to_end(box, row.ms), height, row_text(box, row, {}).split(":")[0] + " ", ha="right", va="center", fontsize=7, bbox=_PAPER)
     plot.set_yticks(range(len(labels)), labels)
     plot.set_ylim(-0.6, len(labels) + 0.8 * _ROWS)

@@ -2,10 +2,10 @@
 
     path = Toolpath(listing)
     path.source = Source("part.ngc", 3)
-    path.move([1.0, 2.0, None], True)               # a rapid; None: the axis stays
-    path.move([5.0, None, None], False, 600.0)
-    path.arc(17, True, [5.0, 4.0, None], (0.0, 2.0), 600.0)
-    path.word("M8")
+    path.move_to([1.0, 2.0, None], True)               # a rapid; None: the axis stays
+    path.move_to([5.0, None, None], False, 600.0)
+    path.arc_to(17, True, [5.0, 4.0, None], (0.0, 2.0), 600.0)
+    path.put_word("M8")
 
 An axis is not known (None) until a program moves it in its own coordinates: a program is written without knowing where the
 machine stands. The listing says each axis that changes, absolute, in mm to five decimals; A, the fourth, in degrees, or in mm if it is linear.
@@ -33,12 +33,12 @@ _MOST_RADIUS_MM = 0.5  # but never by more than this
 class Toolpath:
     def __init__(self, listing, start=()):
         """`start`: where the axes stand, of the program; those that it leaves out, or are None, are not known."""
-        start = _four(start)
+        start = _all_axes(start)
         self.listing = listing
         self.source = None  # the program's line under way
         self.place = start  # of the program
         self.contour = None  # while the radius is compensated
-        self._there = [_round(value) for value in start]  # of the machine, as the listing has it
+        self._there = [_to_units(value) for value in start]  # of the machine, as the listing has it
         self._feed = None
         self._inverse = False  # the listing is in G93
         self._turned = None  # of the work coordinates in XY, as a unit vector; None: they are not
@@ -52,7 +52,7 @@ class Toolpath:
             raise ProgramError(UNKNOWN_PLACE, "{}", AXES[axis])
         return self.place[axis]
 
-    def forget(self, axes=(0, 1, 2, 3)):
+    def forget_axes(self, axes=(0, 1, 2, 3)):
         """These axes have been moved to where the program cannot know."""
         for axis in axes:
             self.place[axis] = self._there[axis] = None
@@ -62,19 +62,19 @@ class Toolpath:
     def now_at(self, axis, value):
         """The axis has not moved, but its coordinate is `value` from now on: an offset changed."""
         self.place[axis] = value
-        self._there[axis] = _round(value)
+        self._there[axis] = _to_units(value)
 
     def turn_place(self):
         """Turn a place that now_at() took in the board's coordinates into the program's."""
-        self.place = self._program(self.place)
+        self.place = self._to_program(self.place)
 
-    def turn(self, degrees):
+    def turn_coordinates(self, degrees):
         """Turn the program's coordinates in XY around the board's zero, by `degrees` from the X axis."""
-        here = self._board(self.place)
+        here = self._to_board(self.place)
         self._turned = cmath.rect(1.0, math.radians(degrees)) if degrees % 360 else None
-        self.place = here if self._turned is None else self._program(here)
+        self.place = here if self._turned is None else self._to_program(here)
 
-    def _board(self, place):
+    def _to_board(self, place):
         """A place of the program in the board's coordinates, which are not turned; unknown if one of X and Y is."""
         if self._turned is None:
             return place[:]
@@ -83,59 +83,59 @@ class Toolpath:
         moved = complex(*place[:2]) * self._turned
         return [moved.real, moved.imag, *place[2:]]
 
-    def _program(self, place):
+    def _to_program(self, place):
         """The other way round."""
         if self._turned is None or None in place[:2]:
             return place[:] if self._turned is None else [None, None, *place[2:]]
         moved = complex(*place[:2]) / self._turned
         return [moved.real, moved.imag, *place[2:]]
 
-    def word(self, code):
+    def put_word(self, code):
         """A line that moves nothing."""
         if self.contour:
-            self.contour.word(code, self.source)
+            self.contour.add_word(code, self.source)
             return
         if not code.startswith(("S", "G4 ")):
             self.end_inverse()
         if " F" in code:  # of G53 and G38: it holds on the board
             self._feed = None
-        self.listing.add(code, self.source)
+        self.listing.add_line(code, self.source)
 
     def end_inverse(self):
         """The listing goes back to G94, if it is not in it."""
         if self._inverse:
             self._inverse, self._feed = False, None
-            self.listing.add("G94", self.source)
+            self.listing.add_line("G94", self.source)
 
-    def changes(self, target):
+    def axes_to_move(self, target):
         """The axes that a straight line to `target` moves, as far as the listing tells places apart."""
-        return [axis for axis, value in enumerate(target) if value is not None and (self.place[axis] is None or _round(value) != _round(self.place[axis]))]
+        return [axis for axis, value in enumerate(target) if value is not None and (self.place[axis] is None or _to_units(value) != _to_units(self.place[axis]))]
 
-    def move(self, target, rapid, feed=0.0, inverse=False, relative=False):
+    def move_to(self, target, rapid, feed=0.0, inverse=False, relative=False):
         """A straight line; axes that are None or left out stay. `inverse`: the feed is that of G93, 1/min; `relative`: the program has G91,
         in which A turns by more than half a turn on every board."""
-        target = _four(target)
-        if target[3] is not None and self.contour and 3 in self.changes(target):
+        target = _all_axes(target)
+        if target[3] is not None and self.contour and 3 in self.axes_to_move(target):
             raise ProgramError(COMPENSATED, "A")
         before = self.place[:]
         self.place = [old if new is None else new for old, new in zip(self.place, target)]
         if self._turned is not None and (target[0] is not None or target[1] is not None):
             self.position(0), self.position(1)
-            target = [*self._board(self.place)[:2], *target[2:]]
+            target = [*self._to_board(self.place)[:2], *target[2:]]
         if self.contour:
-            self.contour.line(self._board(before), self._board(self.place), target, rapid, feed, self.source)
+            self.contour.add_line(self._to_board(before), self._to_board(self.place), target, rapid, feed, self.source)
             return
-        if self._beside and self._beside.moves(target):
+        if self._beside and self._beside.moves_in_plane(target):
             if inverse:
                 raise ProgramError(NO_FEED, "G93 and A in the first motion behind G40")
-            self._leave(rapid, feed)
+            self._leave_contour(rapid, feed)
         self.put_line(target, rapid, feed, None, inverse, relative)
 
-    def arc(self, plane, clockwise, target, centre, feed, turns=1, sweep=None, slack=0.0):
+    def arc_to(self, plane, clockwise, target, centre, feed, turns=1, sweep=None, slack=0.0):
         """An arc to `target` around `centre`, (first, second axis of the plane) in mm from its start, as a helix if the third axis
         changes. `sweep`: sweep_of() it; `slack`: of circle_through(). Raises ProgramError if the ends do not lie on one circle."""
         first, second, _ = PLANES[plane]
-        target = _four(target)
+        target = _all_axes(target)
         begin = [self.position(first), self.position(second)]
         end = [old if new is None else new for old, new in zip(self.place, target)]
         centre = circle_through(begin, (end[first], end[second]), centre, slack)
@@ -146,9 +146,9 @@ class Toolpath:
             if plane != 17:
                 raise ProgramError(PLANE, "arcs in turned coordinates")
             turned = complex(*centre) * self._turned
-            before, end, centre = self._board(before), self._board(end), (turned.real, turned.imag)
+            before, end, centre = self._to_board(before), self._to_board(end), (turned.real, turned.imag)
         if self.contour:
-            self.contour.arc(before, end, plane, clockwise, centre, feed, sweep, turns, self.source)
+            self.contour.add_arc(before, end, plane, clockwise, centre, feed, sweep, turns, self.source)
             return
         if self._beside:
             raise ProgramError(ARC, "the first motion behind G40 is straight")
@@ -174,26 +174,26 @@ class Toolpath:
             for axis in contour.axes[:2]:
                 self.place[axis] = here[axis]
             if self._turned is not None:
-                self.place[:2] = self._program(here)[:2]
+                self.place[:2] = self._to_program(here)[:2]
 
-    def _leave(self, rapid, feed):
+    def _leave_contour(self, rapid, feed):
         contour, self._beside = self._beside, None
         here = [None if each is None else each / 1e5 for each in self._there]
-        contour.leave(here, self._board(self.place), rapid, feed, self.source)
+        contour.put_way_out(here, self._to_board(self.place), rapid, feed, self.source)
 
     # --- to the listing
 
     def put_line(self, target, rapid, feed, source=None, inverse=False, relative=False):
-        """Append a line to `target`; axes that are None stay. `inverse`, `relative`: of move()."""
+        """Append a line to `target`; axes that are None stay. `inverse`, `relative`: of move_to()."""
         begin = self._there[:]
         words = []
-        if relative and target[3] is not None and abs(_round(target[3]) - begin[3]) > _HALF_TURN:
+        if relative and target[3] is not None and abs(_to_units(target[3]) - begin[3]) > _HALF_TURN:
             self._put_relative(target, rapid, feed, source, inverse)
             return
         for axis, value in enumerate(target):
-            if value is not None and _round(value) != self._there[axis]:
-                self._there[axis] = _round(value)
-                words.append(AXES[axis] + number(self._there[axis] / 1e5))
+            if value is not None and _to_units(value) != self._there[axis]:
+                self._there[axis] = _to_units(value)
+                words.append(AXES[axis] + number_text(self._there[axis] / 1e5))
         if words:
             self._put_words(words, begin, rapid, feed, source, inverse)
 
@@ -201,11 +201,11 @@ class Toolpath:
         begin = self._there[:]
         words = ["G91"]
         for axis, value in enumerate(target):
-            if value is not None and _round(value) != begin[axis]:
-                self._there[axis] = _round(value)
-                words.append(AXES[axis] + number((self._there[axis] - begin[axis]) / 1e5))
+            if value is not None and _to_units(value) != begin[axis]:
+                self._there[axis] = _to_units(value)
+                words.append(AXES[axis] + number_text((self._there[axis] - begin[axis]) / 1e5))
         self._put_words(words, begin, rapid, feed, source, inverse)
-        self.listing.add("G90", source or self.source)
+        self.listing.add_line("G90", source or self.source)
 
     def _put_words(self, words, begin, rapid, feed, source, inverse):
         """Append a line of these words; it has no stroke if A alone moves."""
@@ -214,19 +214,19 @@ class Toolpath:
             self._inverse, self._feed = inverse, None
         code = f"G{0 if rapid else 1} {' '.join(words)}"
         if not rapid:
-            code += f" F{number(min(feed, _FASTEST), 3)}" if inverse else self._feed_word(feed)
+            code += f" F{number_text(min(feed, _FASTEST), 3)}" if inverse else self._feed_word(feed)
         if begin[:3] == self._there[:3]:
-            self.listing.add(code, source or self.source)
+            self.listing.add_line(code, source or self.source)
         else:
-            self._add(code, source, rapid, [_picture_point(begin, self._there), _picture_point(self._there, self._there)])
+            self._add_stroke(code, source, rapid, [_picture_point(begin, self._there), _picture_point(self._there, self._there)])
 
     def put_arc(self, plane, clockwise, end, centre, feed, sweep, turns=1, source=None):
         """Append an arc of `sweep` radians, and `turns` - 1 whole ones; a line in place of one that is so short that its rounded ends
         would make a whole turn of it."""
         first, second, third = PLANES[plane]
         begin = self._there[:]
-        ends = [_round(each) for each in end]
-        around = _round(centre[0]), _round(centre[1])
+        ends = [_to_units(each) for each in end]
+        around = _to_units(centre[0]), _to_units(centre[1])
         chord = math.hypot(end[first] - begin[first] / 1e5, end[second] - begin[second] / 1e5)
         last = round_end((begin[first], begin[second]), (ends[first], ends[second]), around, clockwise, sweep)
         if last is None and turns > 1:
@@ -241,8 +241,8 @@ class Toolpath:
         for axis in range(3):
             if axis in (first, second) or ends[axis] is not None and ends[axis] != self._there[axis]:
                 self._there[axis] = ends[axis]
-                words.append(AXES[axis] + number(ends[axis] / 1e5))
-        words += [_CENTRES[first] + number(around[0] / 1e5), _CENTRES[second] + number(around[1] / 1e5)]
+                words.append(AXES[axis] + number_text(ends[axis] / 1e5))
+        words += [_CENTRES[first] + number_text(around[0] / 1e5), _CENTRES[second] + number_text(around[1] / 1e5)]
         if turns > 1:
             words.append(f"P{turns}")
         if plane != self.listing.plane:
@@ -254,18 +254,18 @@ class Toolpath:
         code = f"G{2 if clockwise else 3} {' '.join(words)}" + self._feed_word(feed)
         points = arc_points(_picture_point(begin, self._there), _picture_point(self._there, self._there), plane, clockwise,
                             [each / 1e5 for each in middle], sweep + math.tau * (turns - 1))  # fmt: skip
-        self._add(code, source, False, points)
+        self._add_stroke(code, source, False, points)
 
     def _feed_word(self, feed):
         feed = min(feed, _FASTEST)  # the machine goes as fast as it can, as with plain G-code
         if feed == self._feed:
             return ""
         self._feed = feed
-        return f" F{number(feed, 3)}"
+        return f" F{number_text(feed, 3)}"
 
-    def _add(self, code, source, rapid, points):
+    def _add_stroke(self, code, source, rapid, points):
         source = source or self.source
-        self.listing.add(code, source, Stroke(source, rapid, points))
+        self.listing.add_line(code, source, Stroke(source, rapid, points))
 
 
 def sweep_of(begin, end, centre, clockwise, long=None):
@@ -348,13 +348,13 @@ def arc_points(begin, end, plane, clockwise, middle, sweep, sag=0.01):
     return points
 
 
-def number(value, decimals=5):
+def number_text(value, decimals=5):
     """A value as G-code has it, without zeros that say nothing."""
     text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "") else text
 
 
-def _round(value):
+def _to_units(value):
     """A place in units of the listing. Raises ProgramError if no machine reaches it."""
     if value is None:
         return None
@@ -363,7 +363,7 @@ def _round(value):
     return round(value * 1e5)
 
 
-def _four(target):
+def _all_axes(target):
     """A place of all axes: those left out are None."""
     return [*target, None, None, None, None][:4]
 

@@ -2,7 +2,7 @@
 
     kept = UncutAreas(pieces, LEFT)
     kept.known                  # False: the contour encloses nothing, each of its pieces has material behind it
-    kept.reaches(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
+    kept.reaches_area(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
 
 The pieces, as chords, divide the plane into areas. Each piece marks the area on the tool's side as cut, and the other one as
 standing; an area that no piece marks as cut is left. Ends that divide nothing, such as lead-ins, lead-outs and edges longer than the part,
@@ -26,27 +26,27 @@ class UncutAreas:
         self.known = False
         self.doubtful = False  # more of the contour divides nothing than encloses something
         self._area = self._disputed = None
-        ends = [point for piece in pieces for pair in _chords(piece) for point in pair]
+        ends = [point for piece in pieces for pair in _chords_of(piece) for point in pair]
         starts, stops = numpy.array(ends[::2]), numpy.array(ends[1::2])
         ahead = (stops - starts) / numpy.abs(stops - starts)
         starts[0] -= ahead[0] * _BESIDE  # a piece that ends on another one, but for rounding, crosses it
         stops[-1] += ahead[-1] * _BESIDE
-        chords = _lines(starts, stops)
+        chords = _line_strings(starts, stops)
         edges = shapely.get_parts(shapely.unary_union(chords, grid_size=_GRID))
         edges = edges[shapely.length(edges) > 0]
         areas = shapely.get_parts(shapely.polygonize(edges))
         if len(areas):
-            counts = [len(_chords(piece)) for piece in pieces]
+            counts = [len(_chords_of(piece)) for piece in pieces]
             inner = numpy.ones(len(chords), bool)
             inner[: counts[0]] = inner[len(chords) - counts[-1] :] = False
-            self._judge(edges, areas, chords, ahead * side, inner)
+            self._judge_areas(edges, areas, chords, ahead * side, inner)
 
-    def _judge(self, edges, areas, chords, ahead, inner):
+    def _judge_areas(self, edges, areas, chords, ahead, inner):
         """`ahead`: of each chord the way with the tool to its left; `inner`: it is of neither the first nor the last piece."""
-        middles, ways = _longest(edges)
+        middles, ways = _longest_chords(edges)
         inside = shapely.STRtree(areas)
         sides = [_areas_of(inside, middles + 1j * ways * by) for by in (_BESIDE, -_BESIDE)]
-        of_edge, of_chord = shapely.STRtree(chords).query(_points(middles), predicate="dwithin", distance=TOUCH)
+        of_edge, of_chord = shapely.STRtree(chords).query(_point_geometries(middles), predicate="dwithin", distance=TOUCH)
         along = (ways[of_edge].conjugate() * ahead[of_chord]).real
         goes = [numpy.zeros(len(edges), bool), numpy.zeros(len(edges), bool)]
         goes[0][of_edge[along > 0.5]] = True
@@ -58,17 +58,17 @@ class UncutAreas:
         if not divides.any():
             return
 
-        def mm(say, of):
+        def mm_by_area(say, of):
             """mm of the edges `of` that say so, by area; the last is what lies outside."""
             found = numpy.zeros(len(areas) + 1)
             for side in (0, 1):
                 numpy.add.at(found, sides[side][of & say[side]], lengths[of & say[side]])
             return found
 
-        stays_mm, goes_mm = mm(goes[::-1], divides), mm(goes, divides)
+        stays_mm, goes_mm = mm_by_area(goes[::-1], divides), mm_by_area(goes, divides)
         left = (stays_mm > 0) & (goes_mm <= _NOISE * stays_mm)
-        inner_mm = mm(goes[::-1], divides & between)
-        disputed = ~left & (inner_mm > 0) & (mm(goes, divides & between) <= _TANGENT * inner_mm)
+        inner_mm = mm_by_area(goes[::-1], divides & between)
+        disputed = ~left & (inner_mm > 0) & (mm_by_area(goes, divides & between) <= _TANGENT * inner_mm)
         if left[sides[0][~divides]].any():
             return  # a loop at the end of a line, not a line that leads to a loop
         self.known = True
@@ -83,34 +83,34 @@ class UncutAreas:
 
     def reaches_disputed(self, piece, radius):
         """True if the tool's centre, on `piece`, comes nearer than its radius to what other pieces leave and the first or the last takes."""
-        return _nearer(piece, self._disputed, radius)
+        return _is_nearer(piece, self._disputed, radius)
 
-    def reaches(self, piece, radius):
+    def reaches_area(self, piece, radius):
         """True if the tool's centre, on `piece`, comes nearer to what is left than its radius."""
-        return _nearer(piece, self._area, radius)
+        return _is_nearer(piece, self._area, radius)
 
 
-def _nearer(piece, area, radius):
+def _is_nearer(piece, area, radius):
     if area is None:
         return False
-    way = shapely.LineString([(point.real, point.imag) for point in piece.points()])
+    way = shapely.LineString([(point.real, point.imag) for point in piece.chord_points()])
     return bool(shapely.distance(way, area) < radius - TOUCH)
 
 
-def _chords(piece):
-    points = piece.points()
+def _chords_of(piece):
+    points = piece.chord_points()
     return [pair for pair in zip(points, points[1:]) if abs(pair[1] - pair[0]) > 1e-9]
 
 
-def _lines(starts, stops):
+def _line_strings(starts, stops):
     return shapely.linestrings(numpy.stack([numpy.stack([each.real, each.imag], -1) for each in (starts, stops)], 1))
 
 
-def _points(places):
+def _point_geometries(places):
     return shapely.points(places.real, places.imag)
 
 
-def _longest(edges):
+def _longest_chords(edges):
     """(middle, way along it) of the longest chord of each edge."""
     middles, ways = [], []
     for edge in edges:
@@ -125,6 +125,6 @@ def _longest(edges):
 def _areas_of(tree, places):
     """The number of the area in which each place lies; the count of the areas: in none."""
     found = numpy.full(len(places), len(tree.geometries))
-    of_place, of_area = tree.query(_points(places), predicate="intersects")
+    of_place, of_area = tree.query(_point_geometries(places), predicate="intersects")
     found[of_place] = of_area
     return found

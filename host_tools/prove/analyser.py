@@ -13,7 +13,7 @@ from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.prove import pins
 from host_tools.prove.proof import Proof
-from host_tools.prove.row import number
+from host_tools.prove.row import number_text
 
 CHANNELS = 8
 FASTEST_HZ = 25_000_000
@@ -59,21 +59,21 @@ class Wanted:
         """Record, write the file, and return a sentence with its figures. Raises Failure if there is nothing to record."""
         if self.play and not drive_pins:
             raise Failure("nothing is played: no pins are driven")
-        capture = self.capture(Proof(board, raw, drive_pins))
+        capture = self.capture_samples(Proof(board, raw, drive_pins))
         WRITERS[self.path.suffix](self.path, capture, names_of(raw, self.base))
         count = len(capture.samples)
-        return _("{}: {} samples at {} MHz, {} ms", self.path, count, number(capture.hz / 1e6), number(1000 * count / capture.hz))
+        return _("{}: {} samples at {} MHz, {} ms", self.path, count, number_text(capture.hz / 1e6), number_text(1000 * count / capture.hz))
 
-    def capture(self, proof):
+    def capture_samples(self, proof):
         """Record on the board; returns a Capture. Raises Failure if the rate is too low, or the trigger does not come in `wait_s`."""
         board = proof.board
         if self.play:
-            changes = pins.own(proof)
+            changes = pins.without_ramps(proof)
             proof.begin("make", changes, more=(f"samples = bytearray({PLAYED})", *PROGRAMS))
             pins.check_enable(proof)
             order = f"play({pins.there_and_back(proof.machine(changes), pins.OWN_S)!r}, analyser)"
         else:
-            board.fresh()
+            board.restart_interpreter()
             proof.load(f"samples = bytearray({SAMPLES})", *PROGRAMS)
             order = f"record(analyser, {round(self.wait_s * 1000)})"
         clock = int(board.exec("import machine\nprint(machine.freq())"))
@@ -113,7 +113,7 @@ def names_of(raw, base):
     return [names[pin] for pin in range(base, base + CHANNELS)]
 
 
-def _vcd(path, capture, names):
+def _write_vcd(path, capture, names):
     from vcd import VCDWriter
 
     # The largest unit that divides a sample's period: programs that sample a VCD anew use the file's unit as their period.
@@ -131,7 +131,7 @@ def _vcd(path, capture, names):
         writer.close(len(capture.samples) * step)
 
 
-def _sigrok(path, capture, names):
+def _write_sigrok(path, capture, names):
     probes = "".join(f"probe{number}={name}\n" for number, name in enumerate(names, 1))
     metadata = f"[global]\nsigrok version=0.5.2\n\n[device 1]\ncapturefile=logic-1\ntotal probes={CHANNELS}\nsamplerate={capture.hz:.0f} Hz\ntotal analog=0\n{probes}unitsize=1\n"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
@@ -140,4 +140,4 @@ def _sigrok(path, capture, names):
         file.writestr("logic-1-1", capture.samples)
 
 
-WRITERS = {".vcd": _vcd, ".sr": _sigrok}
+WRITERS = {".vcd": _write_vcd, ".sr": _write_sigrok}

@@ -32,7 +32,7 @@ def edge_of(trigger):
     return bool(trigger) and trigger[0] != WORD
 
 
-def recorder(trigger):
+def recorder_program(trigger):
     kind, pin, width = (trigger + (1,))[:3] if trigger else (None, 0, 1)
     word, edge = kind == WORD, edge_of(trigger)  # an assembler's function sees no globals
 
@@ -60,8 +60,8 @@ class Analyser(Witness):
         """`samples`: a bytearray for them; `divider`: cycles of the system clock to a sample, at most 65535."""
         self._divider, self._trigger = divider, trigger
         for pin in list(range(base, base + 8)) + [trigger[1]] * edge_of(trigger):
-            mem32[pad(pin)] = mem32[pad(pin)] & ~0x100 | 0x40  # the input is on; an RP2350's pad holds nothing
-        super().__init__(base, 8, samples, 4, recorder(trigger))
+            mem32[pad_address(pin)] = mem32[pad_address(pin)] & ~0x100 | 0x40  # the input is on; an RP2350's pad holds nothing
+        super().__init__(base, 8, samples, 4, recorder_program(trigger))
 
     def prepare(self):
         """Y has the word as the program has what it sees: in the highest bits."""
@@ -73,7 +73,7 @@ class Analyser(Witness):
                 self._machine.exec(instruction)
         mem32[self._wrap - 4] = self._divider << 16  # CLKDIV: whole cycles, which a frequency in hertz would not always give
 
-    def full(self):
+    def is_full(self):
         return self._dma.count == 0
 
 
@@ -81,8 +81,8 @@ def record(analyser, limit_ms):
     """Wait for the trigger and for as many samples as there is room for, and print them."""
     analyser.start()
     end = ticks_ms() + limit_ms
-    while not analyser.full() and ticks_diff(end, ticks_ms()) > 0:
+    while not analyser.is_full() and ticks_diff(end, ticks_ms()) > 0:
         sleep_ms(1)
     analyser.stop()
     print("\n=", 0, analyser.taken, 1)
-    analyser.show()
+    analyser.print_records()

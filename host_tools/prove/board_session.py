@@ -65,7 +65,7 @@ def _load_app():
     return App
 
 
-def _app(App, made):
+def _make_app(App, made):
     global port, app, planner, feeder, player
     port = made
     app = App(board, port, None, None, start.rooms)
@@ -79,12 +79,12 @@ def _app(App, made):
 def make(changes, without):
     _check_board(changes, without)
     App = _load_app()
-    _app(App, start.port(board))
+    _make_app(App, start.port(board))
 
 
 def words(changes, without):
     _check_board(changes, without)
-    _app(_load_app(), Words())
+    _make_app(_load_app(), Words())
 
 
 def time_collection():
@@ -105,17 +105,17 @@ def time_collection():
     return took, free, low
 
 
-def level(pin):
+def pin_level(pin):
     return mem32[0xD0000004] >> pin & 1
 
 
-def pull(pin, up):
+def set_pull(pin, up):
     """Let the pad's own resistor pull; whatever is wired to the pin is stronger."""
-    at = pad(pin)
+    at = pad_address(pin)
     mem32[at] = mem32[at] & ~12 | (8 if up else 4)
 
 
-def queue(lines):
+def queue_lines(lines):
     feeder.open = False  # until a cycle opens it: if the interrupt set out first, the motors would not count as ready before all of it was played
     for deltas, ticks in lines:
         planner.line(deltas, ticks, False)
@@ -125,17 +125,17 @@ def queue(lines):
 
 def play(lines, witness):
     """Play lines to their end under the witness's eyes."""
-    queue(lines)
+    queue_lines(lines)
     witness.start()
     end = ticks_ms() + 5000
     while (not planner.empty() or player.busy()) and ticks_diff(end, ticks_ms()) > 0:
         app.cycle()
     witness.stop()
     print("\n=", feeder.late, witness.taken, 1 if planner.empty() else 0)
-    witness.show()
+    witness.print_records()
 
 
-def clear():
+def clear_stop():
     """Forget a stop: its input has been let go."""
     for _ in range(3):
         app.cycle()
@@ -149,28 +149,28 @@ def clear():
 
 def halt(lines, witness, other, pin, active, after_ms):
     """Start lines, pull the input to its active level after `after_ms`, then release it and clear the alarm."""
-    queue(lines)
+    queue_lines(lines)
     witness.start(other)
     end = ticks_ms() + after_ms
     while ticks_diff(end, ticks_ms()) > 0:
         app.cycle()
-    pull(pin, active)
+    set_pull(pin, active)
     end = ticks_ms() + 20
     while ticks_diff(end, ticks_ms()) > 0:
         app.cycle()
     witness.stop()
     other.stop()
-    reached = level(pin) == active
+    reached = pin_level(pin) == active
     where = feeder.position(player.played())
-    pull(pin, not active)
+    set_pull(pin, not active)
     sleep_ms(1)
-    clear()
+    clear_stop()
     print("\n=", 1 if reached else 0, *where)
-    witness.show()
-    other.show()
+    witness.print_records()
+    other.print_records()
 
 
-def take(count):
+def echo_bytes(count):
     """Read bytes of the link, and then send as many back. Prints how many came and their checksum."""
     line = app.links[0].serial
     micropython.kbd_intr(-1)

@@ -2,7 +2,7 @@
 
     witness = Witness(2, 6, RECORDS)    # GPIO2 to GPIO7, at most as many changes as there is room for
     witness.start(); …; witness.stop()
-    witness.show()                      # prints them in base64
+    witness.print_records()                      # prints them in base64
 
 A record is a word: the levels in the low bits moved above a count of passes that runs down. A pass of the program takes 7 cycles of the state
 machine, one that writes a record 14: host_tools/prove/edges.py makes times of them. The processor is not asked for anything.
@@ -20,12 +20,12 @@ from uctypes import addressof
 RECORDS = bytearray(4 * 2048)  # made first, while memory is free in large pieces
 
 
-def pad(pin):
+def pad_address(pin):
     """Address of the register of a pin's pad."""
     return (0x40038000 if "RP2350" in sys.implementation._machine else 0x4001C000) + 4 + 4 * pin
 
 
-def looker(width):
+def witness_program(width):
     count = 32 - width
 
     @rp2.asm_pio(in_shiftdir=rp2.PIO.SHIFT_LEFT, fifo_join=rp2.PIO.JOIN_RX)
@@ -59,12 +59,12 @@ class Witness:
         self._wrap = self._pio + 0xCC + 0x18 * at  # EXECCTRL
         self.room = len(records) // 4
         self._records = records
-        self._machine = rp2.StateMachine(number, program or looker(pins), in_base=Pin(base))
+        self._machine = rp2.StateMachine(number, program or witness_program(pins), in_base=Pin(base))
         self._dma = rp2.DMA()
         self._fifo = self._pio + 0x20 + 4 * at
         self._ctrl = self._dma.pack_ctrl(size=2, inc_read=False, inc_write=True, high_pri=True, treq_sel=8 * block + 4 + at)
 
-    def prepare(self):
+    def prepare_program(self):
         """The count at its highest, no levels seen."""
         first = mem32[self._wrap] >> 7 & 31
         for instruction in (0xA02B, 0xA04B, first):  # mov(x, invert(null)), mov(y, invert(null)), jmp("look")
@@ -72,7 +72,7 @@ class Witness:
 
     def ready(self):
         """Before start()."""
-        self.prepare()
+        self.prepare_program()
         self._dma.config(read=self._fifo, write=addressof(self._records), count=self.room, ctrl=self._ctrl, trigger=True)
         return self._bit
 
@@ -88,7 +88,7 @@ class Witness:
         self.taken = self.room - self._dma.count
         self._dma.active(0)
 
-    def show(self):
+    def print_records(self):
         for at in range(0, 4 * self.taken, 384):
             print(str(b2a_base64(memoryview(self._records)[at : min(at + 384, 4 * self.taken)]), "ascii").strip())
         print("-")

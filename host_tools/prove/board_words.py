@@ -101,7 +101,7 @@ class Words:
         self._ms = (self._ms + 1) & COUNT_MASK
 
 
-def settle(app):
+def run_until_still(app):
     still = 0
     while still < STILL:
         app.cycle()
@@ -122,7 +122,7 @@ def carry_out(app, port, lines):
     return refused
 
 
-def draw(app, port, packets):
+def draw_packets(app, port, packets):
     """Packets of the plotter's language, each sent when the one before has been answered. Returns how many were not."""
     silent = 0
     for packet in packets:

@@ -1,7 +1,7 @@
 """The two ends that `passo prove` talks to: a board on a serial port, and an emulated Pico. Both run code in the raw REPL.
 
     with PortBoard("/dev/ttyACM0") as board:        # or EmulatedBoard("router_3axis")
-        board.fresh()                               # the interpreter anew, main.py not run
+        board.restart_interpreter()                               # the interpreter anew, main.py not run
         board.exec("print(1)")                      # '1\\r\\n'; Failure with the board's last line if it raises
         board.start(code); board.expect(b"ready")   # a program that talks while it runs; board.wait_for_end() returns the rest of its output
         board.now_s()                               # the PC's clock; of an emulated board its own outside
@@ -41,7 +41,7 @@ class Board:
             self.wait_s(_SILENCE_S)
         self.close()
 
-    def take(self):
+    def take_output(self):
         """All bytes received since the last call."""
         self.heard += self.read()
         said, self.heard = self.heard, b""
@@ -89,7 +89,7 @@ class EmulatedBoard(Board):
         self.name = _("an emulated Pico")
         self.pico = EmulatedPico(files=board_file(board) if uf2 else firmware_files(str(board)), uf2=uf2).boot()
 
-    def fresh(self):
+    def restart_interpreter(self):
         self.pico.console.start("pass")
         self.pico.console.expect(b"\x04\x04>")
         self.write(b"\x04")
@@ -104,7 +104,7 @@ class EmulatedBoard(Board):
         self.pico.usb.write(data)
 
     def read(self):
-        return self.pico.console.take()
+        return self.pico.console.take_output()
 
     def wait_s(self, seconds):
         self.pico.run(round(seconds * 1e6))
@@ -126,9 +126,9 @@ class PortBoard(Board):
     def __init__(self, port):
         self.name = port
         self._wire = None
-        self._open()
+        self._open_port()
 
-    def _open(self):
+    def _open_port(self):
         from mpremote.transport import TransportError
         from mpremote.transport_serial import SerialTransport
 
@@ -138,7 +138,7 @@ class PortBoard(Board):
         except (TransportError, OSError) as error:
             raise Failure("{}: {}", self.name, str(error)) from None
 
-    def fresh(self):
+    def restart_interpreter(self):
         from mpremote.transport import TransportError
 
         end = self.now_s() + _PRESS_S
@@ -147,7 +147,7 @@ class PortBoard(Board):
             try:
                 with contextlib.redirect_stdout(io.StringIO()):
                     if self._wire is None:
-                        self._open()
+                        self._open_port()
                     self._wire.enter_raw_repl(timeout_overall=self.answer_s)
                 self.expect(b">")
                 break
@@ -159,14 +159,14 @@ class PortBoard(Board):
                 if not asked:
                     print(_("the board is at work, or silent: press its reset button, or unplug it and plug it in again"), flush=True)
                     asked = True
-                self._drop()
+                self._drop_port()
                 self.wait_s(0.2)
         self.heard = b""
 
     def start(self, code):
         from mpremote.transport import TransportError
 
-        self.take()
+        self.take_output()
         try:
             self._wire.serial.write(b"\x05A\x01")
             if self._wire.serial.read(2) != b"R\x01":
@@ -205,15 +205,15 @@ class PortBoard(Board):
                 self.wait_s(0.02)
                 self.read()
             raise TimeoutError(_("the port does not go"))
-        self._drop()
+        self._drop_port()
         while self.now_s() < end:
             self.wait_s(0.2)
             with contextlib.suppress(Failure):
-                self._open()
+                self._open_port()
                 return
         raise TimeoutError(_("the port does not come back"))
 
-    def _drop(self):
+    def _drop_port(self):
         """Close the port, even one that has gone: as long as it is open, the board gets another name when it comes back."""
         if self._wire is not None:
             with contextlib.suppress(OSError):
@@ -227,12 +227,12 @@ class PortBoard(Board):
         if self._wire is not None:
             with contextlib.suppress(OSError):
                 self._wire.serial.write(b"\r\x03\x02\x04")
-        self._drop()
+        self._drop_port()
 
 
 def board_file_of(board):
     """The table of /board.py. Raises Failure if there is none."""
-    board.fresh()
+    board.restart_interpreter()
     try:
         return ast.literal_eval(board.exec("from board import BOARD\nprint(repr(BOARD))"))
     except Failure as failure:

@@ -3,7 +3,7 @@
 from host_tools.language import _
 from host_tools.prove import board_words
 from host_tools.prove.gcode_jobs import all_jobs
-from host_tools.prove.row import LEFT_OUT, Row, equal, number
+from host_tools.prove.row import LEFT_OUT, Row, equality_row, number_text
 
 
 def digests(proof):
@@ -16,25 +16,25 @@ def digests(proof):
 
     links = {"links": [{key: value for key, value in proof.raw["links"][0].items() if key != "lost"}]}
     wrong, words = [], 0
-    order = "carry_out" if language == "grbl" else "draw"
+    order = "carry_out" if language == "grbl" else "draw_packets"
     for name, job in jobs.items():
         proof.begin("words", links, more=("board_words.py",))
         refused = 0
         for part in parts_of(job):
             refused += int(proof.board.exec(f"print({order}(app, port, {part!r}))"))
-        there = proof.board.exec("settle(app)\nprint(port.digest(), port.count)").split()
+        there = proof.board.exec("run_until_still(app)\nprint(port.digest(), port.count)").split()
         port = board_words.Words()
         app = App(proof.machine(links), port)
         refused_here = getattr(board_words, order)(app, port, job)
-        board_words.settle(app)
+        board_words.run_until_still(app)
         words += port.count
         proof.timings.setdefault("digests", {})[name] = there[0]
         if [*there, refused] != [port.digest(), str(port.count), refused_here]:
             wrong.append(name)
-    found = _("{} jobs, {} words", len(jobs), number(words))
+    found = _("{} jobs, {} words", len(jobs), number_text(words))
     if wrong:
         found = _("{} of {} jobs differ: {}", len(wrong), len(jobs), ", ".join(wrong))
-    yield equal("digests", _("golden jobs, words of chip and PC"), found, not wrong, _("the chip does not make the steps of the PC: a kernel was changed or is damaged; flash it again"))
+    yield equality_row("digests", _("golden jobs, words of chip and PC"), found, not wrong, _("the chip does not make the steps of the PC: a kernel was changed or is damaged; flash it again"))
 
 
 def jobs_of(language):

@@ -1,7 +1,7 @@
 """Turns the records of the board's witness into times and levels, and compares them with the words.
 
-    seen = decode(records, 6)                          # [(cycle, levels), …]
-    found = compare(seen, changes_in_words(words, layout, …), …)
+    seen = decode_records(records, 6)                          # [(cycle, levels), …]
+    found = compare_edges(seen, changes_in_words(words, layout, …), …)
 """
 
 import itertools
@@ -12,7 +12,7 @@ from passo.steps.word import TICKS_PER_S
 PASS = 7  # state machine cycles of a pass of the witness's program; one that writes a record takes two
 
 
-def decode(records, width):
+def decode_records(records, width):
     """[(cycles since the start, levels)] of the witness's records."""
     bits = 32 - width
     mask = (1 << bits) - 1
@@ -30,15 +30,15 @@ def changes_in_words(words, bits, width, step_mask, pulse_ticks):
     mask = (1 << width) - 1
     tick, changes = 0, []
 
-    def put(at, levels):
+    def add_change(at, levels):
         if not changes or changes[-1][1] != levels:
             changes.append((at, levels))
 
     for word in words:
         levels = word & mask
-        put(tick, levels)
+        add_change(tick, levels)
         if levels & step_mask and pulse_ticks:
-            put(tick + pulse_ticks, levels & ~step_mask)
+            add_change(tick + pulse_ticks, levels & ~step_mask)
         tick += word >> bits
     return changes
 
@@ -59,7 +59,7 @@ def exchange_bits(levels, a, b):
     return levels & ~(1 << a | 1 << b) | (levels >> a & 1) << b | (levels >> b & 1) << a
 
 
-def compare(seen, changes, width, axes, motors, mhz):
+def compare_edges(seen, changes, width, axes, motors, mhz):
     """A Found: `seen`, [(cycle, levels)] that begin with the levels before the first change, against `changes`, [(tick, levels)]. `motors`: 0 for
     coils."""
     found = Found()
@@ -86,11 +86,11 @@ def compare(seen, changes, width, axes, motors, mhz):
         found.lateness_ns = [cycle * ns - tick * tick_ns - origin for (cycle, _), (tick, _) in pairs]
         found.off_ns = max(map(abs, found.lateness_ns))
     if motors:
-        _pulses(found, seen, axes, motors, ns)
+        _measure_pulses(found, seen, axes, motors, ns)
     return found
 
 
-def _pulses(found, seen, axes, motors, ns):
+def _measure_pulses(found, seen, axes, motors, ns):
     widths, setups, rises = [], [], {}
     turned = {}
     for (_, before), (cycle, levels) in zip(seen, seen[1:]):

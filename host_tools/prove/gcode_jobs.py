@@ -124,7 +124,7 @@ def star(points=7, centre=(40, 40), size=30):
     return [*lines, "G2 X%.3f Y%.3f I%d" % (ends[0] + (-size,)), "G3 X%.3f Y%.3f R%d F9000" % (ends[points // 2 + 1] + (size,)), "M5", "G0 X0 Y0"]
 
 
-def play():
+def backlash_job():
     """All that turns axes with lost motion round: zigzags, circles in every plane, helices, short lines, one axis alone, inverse time."""
     lines = ["G21 G90 G17 F1500", "G0 X20 Y20 Z-5", "M3 S1000"]
     lines += ["G1 X%.3f Y%.3f Z%.2f" % (20 + k / 2, 20 + k % 2 * 1.5, -5 - k % 3 / 4) for k in range(30)]
@@ -149,8 +149,8 @@ def belt():
     return [*lines, "G93 G1 X5 Y8 F200", "G94", "G91 G2 X1 Y1 R0.9 F4000", "G3 X0 Y0 I-0.5 J0.25", "G90 G0 X0 Y0"]
 
 
-def turns():
-    """play() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
+def short_backlash_job():
+    """backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
     lines = ["G21 G90 G17 F1200", "G0 X2 Y2 Z-1", "M3 S1000"]
     lines += ["X%.3f Y%.3f Z%.2f" % (2 + k / 8, 2 + k % 2 / 2, -1 - k % 3 / 10) for k in range(12)]
     lines[3] = "G1 " + lines[3]
@@ -159,7 +159,7 @@ def turns():
     return [*lines, "X3.5 F600", "X3.51", "X3.5", "Z-0.99", "Z-1", "G93 X4 Y1.5 F100", "X3.9 Y1.6 F100", "G94", "M5", "G0 X0 Y0 Z0"]
 
 
-MACHINES = {"table": ("router_4axis", table), "belt": ("corexy_plotter", belt), "turns": ("router_ballscrew", turns)}
+MACHINES = {"table": ("router_4axis", table), "belt": ("corexy_plotter", belt), "turns": ("router_ballscrew", short_backlash_job)}
 PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines
 
 

@@ -7,7 +7,7 @@ import statistics
 
 from host_tools.failure import Failure
 from host_tools.language import _
-from host_tools.prove.row import number
+from host_tools.prove.row import number_text
 
 BYTES = 16384
 SLICE = 64
@@ -41,7 +41,7 @@ def link(proof):
 def bytes_through(proof):
     board = proof.board
     data = random.Random(37).randbytes(BYTES)
-    board.start(f"take({BYTES})")
+    board.start(f"echo_bytes({BYTES})")
     board.wait_s(0.05)
     for at in range(0, BYTES, SLICE):
         board.write(data[at : at + SLICE])
@@ -60,16 +60,16 @@ def grbl_link(proof):
     board = proof.board
     board.start(f"serve({QUIET_MS})")
     board.expect(b"ready\r\n")
-    ask(proof, b"$X\n", b"ok")
-    waits = sorted(ask(proof, b"?", b">\r\n") for _again in range(ASKS))
-    yield proof.judge("ask_ms", statistics.median(waits) * 1000, found=_("{} ms, p99 {}", number(statistics.median(waits) * 1000), number(waits[-3] * 1000)))
-    lines_s, asked = stream(proof, chord_lines(LINES, len(proof.raw["axes"])))
+    time_answer(proof, b"$X\n", b"ok")
+    waits = sorted(time_answer(proof, b"?", b">\r\n") for _again in range(ASKS))
+    yield proof.judge("ask_ms", statistics.median(waits) * 1000, found=_("{} ms, p99 {}", number_text(statistics.median(waits) * 1000), number_text(waits[-3] * 1000)))
+    lines_s, asked = stream_lines(proof, chord_lines(LINES, len(proof.raw["axes"])))
     proof.timings["asks"] = [each * 1000 for each in asked]
     board.expect(b"served", 30)
     late = int(board.wait_for_end().split()[0])
     yield proof.judge("lines_s", lines_s, late=late)
     asked.sort()
-    yield proof.judge("ask99_ms", asked[int(len(asked) * 0.99) - 1] * 1000, found=_("{} ms, median {}", number(asked[int(len(asked) * 0.99) - 1] * 1000), number(statistics.median(asked) * 1000)))
+    yield proof.judge("ask99_ms", asked[int(len(asked) * 0.99) - 1] * 1000, found=_("{} ms, median {}", number_text(asked[int(len(asked) * 0.99) - 1] * 1000), number_text(statistics.median(asked) * 1000)))
 
 
 def measure_frames(proof):
@@ -117,7 +117,7 @@ class SpoiledWire:
     def read(self, size):
         if not self.in_waiting:
             self._board.wait_s(0.0005)
-        data = self._board.take()
+        data = self._board.take_output()
         self._board.heard = data[size:]
         return data[:size]
 
@@ -137,7 +137,7 @@ def plotter_link(proof):
     board = proof.board
     board.start(f"serve({QUIET_MS})")
     board.expect(b"ready\r\n")
-    waits = sorted(ask(proof, b"r\0\0\0\0r", b"k") for _again in range(ASKS))
+    waits = sorted(time_answer(proof, b"r\0\0\0\0r", b"k") for _again in range(ASKS))
     yield proof.judge("ask_ms", statistics.median(waits) * 1000)
     from host_tools.emulator.traffic import points
 
@@ -148,17 +148,17 @@ def plotter_link(proof):
             board.write(data[sent * PACKET : (sent + 1) * PACKET])
             sent += 1
         board.wait_s(0.0002)
-        answered += board.take().count(b"n")
+        answered += board.take_output().count(b"n")
     took = board.now_s() - begun
     board.expect(b"served", 30)
     board.wait_for_end()
     yield proof.judge("packets_s", answered / took)
 
 
-def ask(proof, question, answer):
+def time_answer(proof, question, answer):
     """Seconds from a question to its answer."""
     board = proof.board
-    board.take()
+    board.take_output()
     begun = board.now_s()
     board.write(question)
     while answer not in board.heard:
@@ -169,10 +169,10 @@ def ask(proof, question, answer):
     return board.now_s() - begun
 
 
-def stream(proof, lines):
+def stream_lines(proof, lines):
     """Lines a second of the last three quarters, and the seconds that each `?` waited."""
     board = proof.board
-    board.take()
+    board.take_output()
     under_way, said, asked, pending, next_ask = [], b"", [], None, board.now_s()
     sent = answered = 0
     begun = start = board.now_s()
@@ -186,7 +186,7 @@ def stream(proof, lines):
             board.write(b"?")
             pending, next_ask = now, now + 0.0093
         board.wait_s(0.0002)
-        *whole, said = (said + board.take()).split(b"\r\n")
+        *whole, said = (said + board.take_output()).split(b"\r\n")
         for line in whole:
             if line == b"ok" or line.startswith(b"error"):
                 answered += 1

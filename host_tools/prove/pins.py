@@ -7,9 +7,9 @@ import struct
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.prove import edges
-from host_tools.prove.board_words import Words, settle
+from host_tools.prove.board_words import Words, run_until_still
 from host_tools.prove.promises import KEPT, PROMISES
-from host_tools.prove.row import LEFT_OUT, Row, equal, number
+from host_tools.prove.row import LEFT_OUT, Row, equality_row, number_text
 from passo.steps.word import TICKS_PER_S
 
 ROOM = 2048  # records of the witness
@@ -45,7 +45,7 @@ class Shape:
 
     def levels_seen(self, records):
         """[(cycle, levels as words have them)]"""
-        return [(cycle, levels ^ self._invert) for cycle, levels in edges.decode(records, self.width)]
+        return [(cycle, levels ^ self._invert) for cycle, levels in edges.decode_records(records, self.width)]
 
     def changes_of(self, lines):
         """[(tick, levels)] that the words of `lines`, [(deltas, ticks)], ask of the pins."""
@@ -57,14 +57,14 @@ class Shape:
             app.planner.line(deltas, ticks, False)
         app.planner.flush()
         app.controller.machine.awake = True
-        settle(app)
+        run_until_still(app)
         return edges.changes_in_words(words, self.layout.bits, self.width, self.layout.pulse_mask, self.pulse_ticks)
 
 
 def check_enable(proof):
     """Raises Failure if an output that switches the motors' current is not off, as the pin itself says."""
     for item in proof.raw.get("outputs", ()):
-        if item["name"] == "enable" and int(proof.board.exec(f"print(level({item['pin']}))")) == item.get("active", 1):
+        if item["name"] == "enable" and int(proof.board.exec(f"print(pin_level({item['pin']}))")) == item.get("active", 1):
             raise Failure("enable (GPIO{}) is on though the board switches it off: something else holds it, and motors have current. Nothing was moved", item["pin"])
 
 
@@ -102,17 +102,17 @@ def play_lines(proof, changes, lines):
     if taken >= ROOM:
         changes = changes[: len(seen) - 1]
     motors = shape.layout.motors if shape.pulse_ticks else 0
-    return edges.compare(seen, changes, shape.width, shape.layout.axes, motors, chip_mhz(proof)), late, shape, seen
+    return edges.compare_edges(seen, changes, shape.width, shape.layout.axes, motors, chip_mhz(proof)), late, shape, seen
 
 
-def difference(found, shape):
+def difference_text(found, shape):
     if found.swapped:
         a, b = (shape.base + bit for bit in found.swapped)
         return _("GPIO{} and GPIO{} do what the other should: the pins are swapped", a, b)
     return _("the pins do not do what the words say")
 
 
-def own(proof):
+def without_ramps(proof):
     """The board's own machine, without ramps that would fill the witness's memory."""
     return {"axes": [dict(axis, accel_mm_s2=900_000) for axis in proof.raw["axes"]]}
 
@@ -128,25 +128,25 @@ def there_and_back(board, seconds):
 
 
 def edges_of(proof):
-    changes = own(proof)
+    changes = without_ramps(proof)
     board = proof.machine(changes)
     found, late, shape, seen = play_lines(proof, changes, there_and_back(board, OWN_S))
-    note(proof, "own", found, seen)
+    note_timings(proof, "own", found, seen)
     yield Row("enable", _("motors' current"), _("off all along"), verdict=KEPT)
     if not found.same:
-        yield equal("levels", _("edges on the pins"), difference(found, shape), False, _("check board file and wiring before anything moves"))
+        yield equality_row("levels", _("edges on the pins"), difference_text(found, shape), False, _("check board file and wiring before anything moves"))
         if found.swapped:
             return
     else:
-        yield equal("levels", _("edges on the pins"), _("{} steps, every edge there and none else", found.steps), True, "")
+        yield equality_row("levels", _("edges on the pins"), _("{} steps, every edge there and none else", found.steps), True, "")
     drive = board["drive"]
     if found.pulse_ns:
-        low, high = (number(each / 1000) for each in found.pulse_ns)
+        low, high = (number_text(each / 1000) for each in found.pulse_ns)
         off_ns = max(abs(each - 1000 * drive["pulse_us"]) for each in found.pulse_ns)
         yield proof.judge("pulse_ns", off_ns, found=_("{} to {} µs, wanted {}", low, high, drive["pulse_us"]))
     if found.setup_ns is not None:
         short_ns = max(0, 1000 * drive["setup_us"] - found.setup_ns)
-        yield proof.judge("setup_ns", short_ns, found=_("{} µs, wanted {}", number(found.setup_ns / 1000), drive["setup_us"]))
+        yield proof.judge("setup_ns", short_ns, found=_("{} µs, wanted {}", number_text(found.setup_ns / 1000), drive["setup_us"]))
     if found.same:
         yield proof.judge("edge_ns", found.off_ns)
     yield proof.judge("late_words", late)
@@ -160,16 +160,16 @@ def fastest(proof):
     changes = {"axes": axes, "drive": dict(proof.raw["drive"], pulse_us=1)}
     lines = [([FAST_STEPS] * len(axes), FAST_STEPS * TICKS_PER_S // FAST_HZ)]
     found, late, shape, seen = play_lines(proof, changes, lines)
-    note(proof, "fastest", found, seen)
+    note_timings(proof, "fastest", found, seen)
     steady_ns = found.interval_ns[len(found.interval_ns) // 4 :]
     kept = found.same and found.off_ns <= PROMISES["edge_ns"].bound and late == 0
-    told = difference(found, shape)
+    told = difference_text(found, shape)
     if found.same:
-        told = _("{} kHz, edges within {} ns of their words, {} late", number(1e6 / statistics.mean(steady_ns)), number(found.off_ns), late)
+        told = _("{} kHz, edges within {} ns of their words, {} late", number_text(1e6 / statistics.mean(steady_ns)), number_text(found.off_ns), late)
     yield proof.judge("fastest_khz", FAST_HZ // 1000 if kept else 0, found=told, edge_ns=found.off_ns)
 
 
-def note(proof, name, found, seen):
+def note_timings(proof, name, found, seen):
     proof.timings[name] = {"lateness_ns": found.lateness_ns, "interval_ns": found.interval_ns, "seen": seen}
 
 
@@ -180,7 +180,7 @@ def stops(proof):
         yield Row("stops", what, _("the board file has no halting input"), verdict=LEFT_OUT)
         return
     pin, active = halting[0]["pin"], halting[0].get("active", 1)
-    changes = {**own(proof), "inputs": halting[:1]}
+    changes = {**without_ramps(proof), "inputs": halting[:1]}
     shape = Shape(proof, changes)
     proof.begin("make", changes, more=("board_witness.py",))
     proof.board.exec(_LOOK.format(base=shape.base, width=shape.width, pin=pin, rest=1 - active))
@@ -197,7 +197,7 @@ def stops(proof):
         wrong += not found[1]
     check_enable(proof)
     proof.timings["stops"] = waits
-    yield proof.judge("stop_us", max(waits), found=_("{} µs at most, {} in the middle, {} stops", number(max(waits)), number(statistics.median(waits)), HALTS))
+    yield proof.judge("stop_us", max(waits), found=_("{} µs at most, {} in the middle, {} stops", number_text(max(waits)), number_text(statistics.median(waits)), HALTS))
     yield proof.judge("halts_off", wrong, found=_("{} of {} positions exact", HALTS - wrong, HALTS))
 
 
@@ -210,7 +210,7 @@ def measure_halt(proof, shape, code, active):
         return None
     cut = rest.index("-")
     seen = shape.levels_seen(records_printed(rest[:cut]))
-    pressed = [cycle for cycle, level in edges.decode(records_printed(rest[cut + 1 : -1]), 1)[1:] if level == active]
+    pressed = [cycle for cycle, level in edges.decode_records(records_printed(rest[cut + 1 : -1]), 1)[1:] if level == active]
     steps = [cycle for (_at, old), (cycle, levels) in zip(seen, seen[1:]) if levels & ~old & shape.layout.pulse_mask]
     if not pressed or not steps:
         raise Failure("the witness has seen no stop: {} steps, {} edges of the input", len(steps), len(pressed))

@@ -12,7 +12,7 @@ from host_tools.language import _
 from host_tools.prove import digests, facts, link, pins
 from host_tools.prove.connection import Silent
 from host_tools.prove.promises import PROMISES, WORSE, verdict
-from host_tools.prove.row import LEFT_OUT, Row, number, text
+from host_tools.prove.row import LEFT_OUT, Row, number_text, program_text
 
 # The machine is measured alone: nothing that is wired to it, nothing that writes to the flash.
 WITHOUT = ("outputs", "homing", "journal", "servo", "encoders", "gantry", "interlock", "inverter", "card", "jobs", "network", "changeover", "power_fail")
@@ -68,19 +68,19 @@ class Proof:
         bound = promise.bound * whole
         judged = verdict(promise, value, whole)
         unit = f" {_(promise.unit)}" if promise.unit else ""
-        limit = _("none") if not bound else _("{} or more", number(bound) + unit) if promise.least else _("{} or less", number(bound) + unit)
-        return Row(key, _(promise.what), found or number(value) + unit, limit, judged, _(promise.advice) if judged == WORSE else "", {key: value, **figures})
+        limit = _("none") if not bound else _("{} or more", number_text(bound) + unit) if promise.least else _("{} or less", number_text(bound) + unit)
+        return Row(key, _(promise.what), found or number_text(value) + unit, limit, judged, _(promise.advice) if judged == WORSE else "", {key: value, **figures})
 
     def begin(self, order, changes=None, more=()):
         """A fresh interpreter with the board's machine. `order`: make or words; `more`: programs that come first."""
-        self.board.fresh()
+        self.board.restart_interpreter()
         self.load(*more, "board_session.py")
         self.board.exec(f"{order}({ {'inputs': [], **(changes or {})}!r}, {WITHOUT!r})")
 
     def load(self, *programs):
         """Run programs on the board: files of this folder (NAME.py), or code."""
         for name in programs:
-            self.board.exec(text(name) if name.endswith(".py") else name)
+            self.board.exec(program_text(name) if name.endswith(".py") else name)
             self.board.exec("import gc\ngc.collect()")  # long-lived objects lie close together
 
     def machine(self, changes=None):

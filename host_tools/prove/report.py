@@ -1,7 +1,7 @@
 """The report of `passo prove`: a table for people, JSON, and a picture of the timings.
 
-    show(rows, header)                  # to the terminal, made to be pasted into an issue
-    picture("prove.png", timings)
+    print_report(rows, header)                  # to the terminal, made to be pasted into an issue
+    draw_picture("prove.png", timings)
 """
 
 import io
@@ -17,7 +17,7 @@ from host_tools.prove.proof import PARTS
 COLOURS = {BETTER: "green", KEPT: "", WORSE: "bold red"}
 
 
-def table(rows, header):
+def report_table(rows, header):
     made = Table(title=header, title_justify="left", box=None, pad_edge=False, title_style="bold")
     for name in (_("row"), _("found"), _("promised"), ""):
         made.add_column(name, overflow="fold")
@@ -26,7 +26,7 @@ def table(rows, header):
     return made
 
 
-def summary(rows):
+def summary_sentences(rows):
     """The sentences under the table."""
     wrong = [row for row in rows if row.verdict == WORSE]
     told = [f"{row.what}: {row.found}. {row.advice}." for row in wrong]
@@ -37,10 +37,10 @@ def summary(rows):
     return told
 
 
-def show(rows, header, file=None):
+def print_report(rows, header, file=None):
     console = Console(file=file, width=110 if file else None)
-    console.print(table(rows, header))
-    for sentence in summary(rows):
+    console.print(report_table(rows, header))
+    for sentence in summary_sentences(rows):
         console.print(sentence, markup=False, highlight=False)
 
 
@@ -57,15 +57,15 @@ def as_lines(proof, header):
 def last_line(rows, header):
     """JSON that follows the rows: the report as text, and the sentences under its table."""
     told = io.StringIO()
-    show(rows, header, told)
-    return json.dumps({"report": told.getvalue(), "summary": summary(rows)})
+    print_report(rows, header, told)
+    return json.dumps({"report": told.getvalue(), "summary": summary_sentences(rows)})
 
 
 def as_json(rows, about):
     return json.dumps({**about, "rows": [vars(row) for row in rows]}, ensure_ascii=False, indent=1)
 
 
-def picture(path, timings):
+def draw_picture(path, timings):
     """Edges against their words, intervals, and answers."""
     from matplotlib import ticker
 

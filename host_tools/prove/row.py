@@ -20,15 +20,15 @@ class Row:
     figures: dict = field(default_factory=dict)
 
 
-def equal(key, what, found, ok, advice):
+def equality_row(key, what, found, ok, advice):
     """A row whose promise is that two things are the same."""
     return Row(key, what, found, _("equal"), KEPT if ok else WORSE, "" if ok else advice)
 
 
-def number(value):
+def number_text(value):
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}" if abs(value) >= 0.001 else "0"
 
 
-def text(name):
+def program_text(name):
     """A program for the board."""
     return (Path(__file__).parent / name).read_text(encoding="utf-8")

@@ -112,7 +112,7 @@ class _Job(RecoverableJobs):
 
     def _find_offer(self, said):
         try:
-            self.record = Record.of(said)
+            self.record = Record.of_answer(said)
         except Failure:
             return None
         offer = RecoverableJobs._find_offer(self, said)

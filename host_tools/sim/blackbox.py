@@ -23,7 +23,7 @@ from passo.records import TICKS_PER_MS
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.programs.blackbox import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, PLACES, SAMPLE, STOOD, STOPS
-from host_tools.programs.timeline import mm
+from host_tools.programs.timeline import mm_text
 from host_tools.sim.machine import Machine
 from host_tools.sim.plant import Plant
 
@@ -90,7 +90,7 @@ class Replay(Machine):
         self.snapshot = snapshot = box.start()
         if snapshot is None:
             raise Failure("the box has no place where a replay may begin: too little is left of what came before")
-        self.since = box.since(snapshot)
+        self.since = box.rows_since(snapshot)
         if box.table.get("parking") and any(row.kind == ORDER and row.value == commands.DOOR or row.levels and row.levels.get("door") for row in self.since):
             raise Failure("the machine has parked: its ways up and back are not replayed")
         self.stops = [row for row in self.since if row.kind in STOPS]
@@ -130,7 +130,7 @@ class Replay(Machine):
         self.cycle()
         record, queue = self._record, self._queue
         if self._plays:
-            self._taken = snapshot.play
+            self._taken = snapshot.backlash_taken
             for axis, taken in enumerate(self._taken):
                 self._feeder.planner._taken[axis] = taken
         for axis, there in enumerate(snapshot.position):
@@ -223,7 +223,7 @@ class Replay(Machine):
             if row.kind == kind:
                 here = list(self._queue.found())
                 if here != row.position:
-                    self._add_fault(_("stopped at {}, the board at {}", mm(self.box.board, here), mm(self.box.board, row.position)))
+                    self._add_fault(_("stopped at {}, the board at {}", mm_text(self.box.board, here), mm_text(self.box.board, row.position)))
                 break
         self._player.frozen = False
 
@@ -254,7 +254,7 @@ class Replay(Machine):
                 self._add_fault(_("did not come to its end"))
                 break
             if self.stops and not self._player.frozen and ended and not self.port.pending(self.app.controller.busy()):
-                self._add_fault(_("never came to {}, where the board stopped", mm(self.box.board, self.stops[0].position)))
+                self._add_fault(_("never came to {}, where the board stopped", mm_text(self.box.board, self.stops[0].position)))
                 break
             if not ended and self._asks and self.now_ms() >= self._asked_ms + _ASK_MS:
                 self._asked_ms = self.now_ms()
@@ -278,7 +278,7 @@ class Replay(Machine):
             while at < len(path) and path[at] != row.position:
                 at += 1
             if at == len(path):
-                self.faults.append((row.ms, _("never came to {}, where the board was", mm(self.box.board, row.position))))
+                self.faults.append((row.ms, _("never came to {}, where the board was", mm_text(self.box.board, row.position))))
                 return
 
     def _is_due(self, rows, at):

@@ -1,7 +1,7 @@
 """Faults of the inputs of a virtual machine: `--fault INPUT=KIND@MS-MS`.
 
     faults = InputFaults(board["inputs"], limits, {"bxb": "pressed@2000-2500", "dx2": "broken"}, random)
-    level = faults.faulty_level("bxb", level, tick)        # `faulty_level`: without a fault
+    level = faults.faulty_level("bxb", level, tick)        # `level`: without a fault
     faults.moments, faults.bounces                  # parts of a plant; [(input, ticks at which it turns round)]
 """
 
@@ -73,7 +73,7 @@ class InputFaults:
         self.bounces = [(name, fault.bounce_ticks()) for name, fault in self._faults.items() if fault.kind == "bounces"]
 
     def faulty_level(self, name, level, tick):
-        """The level that the firmware reads of an input whose true one is `faulty_level`, at `tick`."""
+        """The level that the firmware reads of an input whose true one is `level`, at `tick`."""
         fault = self._faults.get(name)
         if fault is None or not fault.is_present(tick):
             return level

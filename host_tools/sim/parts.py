@@ -186,7 +186,7 @@ class Solenoid:
 
 
 class Spindle:
-    """A spindle that follows its speed by a ramp, and gives `count_pulses` a turn. `held`: the highest speed that it reaches, rpm."""
+    """A spindle that follows its speed by a ramp, and gives `pulses` a turn. `held`: the highest speed that it reaches, rpm."""
 
     RAMP_RPM_S = 20_000
 

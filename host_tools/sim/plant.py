@@ -22,7 +22,7 @@ The board file gives axes, drive, polarity, travel and pen delays; options give 
     seed         of all that is random
     stock        a Stock that the tool can touch: the input probe is active meanwhile
     play         {axis: steps of the motor that its carriage does not follow where it turns}
-    stalls       seed of what drivers feel that have `stall_motor`: see slipping.py
+    stalls       seed of what drivers feel that have `stall`: see slipping.py
 """
 
 import random

@@ -44,7 +44,7 @@ def core(request, tmp_path_factory):
     """A core, with kernels compiled as C or by viper."""
     name, _, by = request.param.partition("-")
     kind = CORES[name]
-    why = missing(kind) or (by == "c" and module.compiler(kind.march) is None and "there is no compiler for kernels: pip install ziglang")
+    why = missing(kind) or (by == "c" and module.find_compiler(kind.march) is None and "there is no compiler for kernels: pip install ziglang")
     if why:
         pytest.skip(why)
     made = Core(kind, image_of(kind, jobs(), tmp_path_factory.mktemp("core"), by == "c"))
@@ -127,7 +127,7 @@ def test_operators_of_compiled_kernels(name, tmp_path_factory):
     """At each pair of edges, and of numbers at random, as CPython has it, while nothing may be allocated; also if arrays are not what
     the module knows."""
     kind = CORES[name]
-    if missing(kind) or module.compiler(kind.march) is None:
+    if missing(kind) or module.find_compiler(kind.march) is None:
         pytest.skip(missing(kind) or f"there is no compiler of kernels for {kind.march}")
     unit, data = module_for(kind.march)
     core = Core(kind, packed({"kernels_tried.mpy": data}, tmp_path_factory.mktemp("operators")))

@@ -200,7 +200,7 @@ class Page:
 
     def upload(self, name, data, packed, look=None):
         """Send a job, up to its last piece; look(): called behind each. Returns how long each took, ms."""
-        self.stored("begin", name, size=len(data), crc=f"{stored_job.crc(data):08x}", stored=len(packed))
+        self.stored("begin", name, size=len(data), crc=f"{stored_job.crc_of(data):08x}", stored=len(packed))
         found = []
         for at in range(0, len(packed), PIECE):
             found.append(self.stored("piece", name, at=at, data=base64.b64encode(packed[at : at + PIECE]).decode()))

@@ -49,7 +49,7 @@ class Board:
 
     def started(self, flash):
         """The power goes and comes: only the flash is left."""
-        self.pico._build(None)
+        self.pico._build_chip(None)
         self.pico.chip.flash[:] = flash
         self._watch()
         self.pico.boot(given_up=lambda: self.pico.now_us > 3_000_000)  # it may hold nothing that starts
@@ -108,7 +108,7 @@ def main(uf2, drive, blocks=None):
             print(f"fault: {fault}", flush=True)
             while not stopped and not board.loading:
                 wait_for_bytes([usb], IDLE_MS)
-        said = board.pico.console.take()
+        said = board.pico.console.take_output()
         if said:
             usb.write(said)
         else:

@@ -18,7 +18,7 @@ from host_tools.emulator.binary import Unavailable, find_uf2, load_emulator
 from host_tools.emulator.halting import INPUTS
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.pico import EmulatedPico
-from host_tools.emulator.rig import Rig, router
+from host_tools.emulator.rig import Rig, router_board
 
 
 @pytest.fixture(scope="session")
@@ -55,7 +55,7 @@ def make_machine(uf2):
 
 @lru_cache
 def _rig(uf2, player):  # a fixture imported into two modules is two fixtures
-    return Rig(router(3, player=player, inputs=INPUTS), uf2)
+    return Rig(router_board(3, player=player, inputs=INPUTS), uf2)
 
 
 @pytest.fixture(scope="session")

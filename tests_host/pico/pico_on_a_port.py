@@ -33,9 +33,9 @@ class PicoPort(PortBoard):
     def wait_s(self, seconds):
         self.running.until(self.pico.now_us + seconds * 1e6)
 
-    def fresh(self):
+    def restart_interpreter(self):
         with self.running.freely():
-            super().fresh()
+            super().restart_interpreter()
 
     def start(self, code):
         with self.running.freely():
@@ -109,7 +109,7 @@ class Running:
         if self._line is not None:
             pico.usb.write(self._line.read())
         pico.run(us)
-        said = pico.console.take()
+        said = pico.console.take_output()
         if self._line is not None:
             self._line.write(said)
 

@@ -72,7 +72,7 @@ def test_it_samples_what_the_emulator_logs(board, trigger, mhz, show):
     def measured():
         wanted = analyser.Wanted.from_words(analyser.Path("a.vcd"), 2, mhz, trigger, True)
         proof = Proof(board, boards.load(BOARD), True)
-        logs = [board.pico.edges(pin) for pin in range(2, 8)]
+        logs = [board.pico.record_edges(pin) for pin in range(2, 8)]
         start = board.start
 
         def cleared(code):
@@ -82,7 +82,7 @@ def test_it_samples_what_the_emulator_logs(board, trigger, mhz, show):
             start(code)
 
         board.start = cleared
-        return wanted.capture(proof), logged(logs)
+        return wanted.capture_samples(proof), logged(logs)
 
     capture, log = on_a_copy(measured)
     assert capture.hz == mhz * 1e6 and len(capture.samples) == analyser.PLAYED
@@ -166,14 +166,14 @@ def test_the_command_looks_at_pins_of_something_else(board, tmp_path, show):
 
         def toggle():
             toggles.append(1)
-            pico.drive(22, len(toggles) & 1)
-            pico.at(pico.cycle + 1250, toggle)  # 10 us
+            pico.drive_pin(22, len(toggles) & 1)
+            pico.call_at(pico.cycle + 1250, toggle)  # 10 us
 
-        pico.at(pico.cycle + 1250, toggle)
+        pico.call_at(pico.cycle + 1250, toggle)
         with on_a_port(pico, tmp_path / "port") as over:
             wanted = analyser.Wanted.from_words(tmp_path / "a.sr", 15, 10, "rise:22", False)
             said = wanted.record_to_file(over, {}, False)
-            capture = wanted.capture(Proof(over, {}, False))
+            capture = wanted.capture_samples(Proof(over, {}, False))
             wanted = analyser.Wanted.from_words(tmp_path / "b.sr", 15, 10, "rise:8", False)
             wanted.wait_s = 0.2
             with pytest.raises(Failure, match="the trigger did not come"):

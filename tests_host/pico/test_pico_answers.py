@@ -3,7 +3,7 @@
 import pytest
 from emulated import rig, uf2  # noqa: F401
 
-from host_tools.bench.moving import _p99
+from host_tools.bench.moving import _percentile_99
 from host_tools.emulator import rows
 
 LINES = [((9000, 7000, -5000), 100_000), ((-4000, 2000, 3000), 50_000)]
@@ -33,8 +33,8 @@ def test_a_question_amid_packed_rows(uf2, monkeypatch, show):  # noqa: F811
     """At 125 MHz, over USB: the most that a link brings."""
     monkeypatch.setenv("PASSO_FLASH_MISS", "50")
     machine = rows.fast_laser(125)
-    run = rows.measure(machine, "usb", "packed", 1000, 4)
-    p99_ms = _p99(run["asked_ms"])
+    run = rows.measure_stream(machine, "usb", "packed", 1000, 4)
+    p99_ms = _percentile_99(run["asked_ms"])
     show("`?` amid packed rows at 125 MHz", f"p99 {p99_ms:.1f} ms of {len(run['asked_ms'])}, {run['rate']:.0f} dots a second")
     assert (run["late"], run["stands"]) == (0, 0)
     assert run["rate"] >= LEAST_S and p99_ms < WITHIN_MS

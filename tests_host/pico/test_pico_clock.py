@@ -8,7 +8,7 @@ from host_tools.emulator import native, system_clock
 from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_TICK, CYCLES_PER_US
 from host_tools.emulator.halting import INPUTS
 from host_tools.emulator.pico import EmulatedPico
-from host_tools.emulator.rig import router
+from host_tools.emulator.rig import router_board
 from host_tools.emulator.system_clock import Undervolted
 from host_tools.emulator.traffic import points
 
@@ -36,9 +36,9 @@ MHZ = pytest.mark.parametrize("mhz", CLOCKS)
 
 
 def at_clock(rig, mhz, **changes):
-    rig.fit(router(3, inputs=INPUTS, clock_mhz=mhz, **changes))
+    rig.load_board(router_board(3, inputs=INPUTS, clock_mhz=mhz, **changes))
     rig.pico.exec("app.cycle()")  # until the main loop has turned, a feeder lets out what the motors are not awake for
-    assert system_clock.of(rig.pico.chip).hz == mhz * 1_000_000
+    assert system_clock.clock_of(rig.pico.chip).hz == mhz * 1_000_000
     assert rig.pico.exec("import machine; print(machine.freq())").strip() == str(mhz * 1_000_000)
     return rig
 
@@ -70,7 +70,7 @@ def test_pulses_and_answers(rig, mhz, show):
 @MHZ
 def test_time_and_pwm(rig, mhz):
     at_clock(rig, mhz, spindle=SPINDLE)
-    wave, probe = rig.pico.edges(PWM_PIN), rig.pico.edges(PROBE_PIN)
+    wave, probe = rig.pico.record_edges(PWM_PIN), rig.pico.record_edges(PROBE_PIN)
     rig.pico.exec(
         "from machine import Pin, Timer\n"
         "port.power(250)\n"
@@ -114,14 +114,14 @@ def router_at(mhz):
 def test_a_machine_as_it_is_flashed(make_machine, mhz):
     machine = make_machine(router_at(mhz), trace=None)
     machine.run_until(lambda: b"unlock]\r\n" in machine.replies_so_far("serial"), 5000)
-    assert system_clock.of(machine.pico.chip).hz == mhz * 1_000_000
+    assert system_clock.clock_of(machine.pico.chip).hz == mhz * 1_000_000
     machine.take("serial")
     machine.send(b"?", "serial")
     machine.run_until(lambda: b">" in machine.replies_so_far("serial"), 1000)  # loaded modules are put in their places first
     assert machine.take("serial").startswith(b"<Alarm|MPos:0.000,0.000,0.000|")
     console = machine.pico.console
     begun = list(machine.plant.position)
-    console.take()
+    console.take_output()
     console.send(b"$X\nG21G91F2400\nG1X1\n")
     machine.run_until(lambda: console.text.count(b"ok") == 3, 2000)
     machine.settle()
@@ -138,8 +138,8 @@ def test_a_voltage_that_does_not_rise_leaves_all_safe(make_machine, monkeypatch)
     machine.run_until(lambda: b"does not rise" in pico.console.text, 5000)
     machine.run_ms(500)  # the file is written
     assert b"RuntimeError: clock_mhz: the core voltage does not rise to 1.15 V" in pico.console.text
-    assert {pin: pico.pads.state(pin) for pin in driven} == {pin: 1 - active for pin, active in driven.items()}
-    assert system_clock.of(pico.chip).hz == 125_000_000
+    assert {pin: pico.pads.state_of(pin) for pin in driven} == {pin: 1 - active for pin, active in driven.items()}
+    assert system_clock.clock_of(pico.chip).hz == 125_000_000
     assert "does not rise" in pico.exec("print(open('crash.txt').read())"), "the REPL answers"
 
 
@@ -156,8 +156,8 @@ def test_too_fast_for_the_voltage(uf2):
 def test_a_loop_takes_its_cycles(uf2, native_loop, monkeypatch):
     """Whatever the clock, and with either processor; flash is read at half the clock, or a fourth of a faster one."""
     if not native_loop:
-        monkeypatch.setattr(native, "library", lambda: None)
-    elif native.library() is None:
+        monkeypatch.setattr(native, "load_library", lambda: None)
+    elif native.load_library() is None:
         pytest.skip("NOT TESTED: no C compiler")
     pico = EmulatedPico(uf2=uf2).boot()
     assert (pico.native_loop is not None) == native_loop
@@ -171,7 +171,7 @@ def test_a_loop_takes_its_cycles(uf2, native_loop, monkeypatch):
     assert int(pico.exec("machine.freq(125_000_000); print(took())")) == pytest.approx(us[125], abs=2)
     pico.exec("machine.freq(200_000_000)")
     pico.hard_reset()
-    assert system_clock.of(pico.chip).hz == 125_000_000
+    assert system_clock.clock_of(pico.chip).hz == 125_000_000
 
 
 def test_a_miss_costs_what_flash_takes(uf2):

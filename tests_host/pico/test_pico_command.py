@@ -156,8 +156,8 @@ def test_the_port_is_printed_when_the_firmware_answers(uf2, tmp_path):
 @pytest.mark.slow
 def test_answers_come_from_then_on(make_machine):
     machine = make_machine(BOARD)
-    assert not machine.listening()
-    machine.run_until(machine.listening, 10_000)
+    assert not machine.is_listening()
+    machine.run_until(machine.is_listening, 10_000)
     assert machine.ask(HELLO, limit_ms=300) == b"k"
 
 

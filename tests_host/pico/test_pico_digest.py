@@ -67,7 +67,7 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
 def test_the_pico_makes_the_words_of_gcode(uf2, by, show, monkeypatch):
     """The beginnings of a relief, an engraving, a helix and a laser's raster: generated, not played."""
     monkeypatch.setenv("PASSO_KERNELS", by)
-    if by != "viper" and module.compiler("armv6m") is None:
+    if by != "viper" and module.find_compiler("armv6m") is None:
         pytest.skip(f"no {by} for kernels")
     board, lines = all_jobs()["pico"]
     job = "".join(f"{line}\n" for line in lines).encode()

@@ -33,7 +33,7 @@ def test_the_pins_draw_the_drawing(tmp_path, make_machine, show, board, tool):  
     machine = make_machine(board)
     machine.run_until(lambda: b"unlock" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)
     start = list(machine.plant.position)
-    switched = machine.pico.edges(loaded["tool"]["pin"])
+    switched = machine.pico.record_edges(loaded["tool"]["pin"])
     for line in ["$X", *lines]:
         machine.take()
         machine.send(line.encode() + b"\n")

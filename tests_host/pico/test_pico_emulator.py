@@ -40,7 +40,7 @@ def test_the_same_calls_give_the_same_cycles(uf2):
     runs = []
     for _ in range(2):
         pico = EmulatedPico(uf2=uf2).boot()
-        edges = pico.edges(2)
+        edges = pico.record_edges(2)
         pico.exec("from machine import Pin\np = Pin(2, Pin.OUT)\nfor i in range(50): p.toggle()")
         runs.append((edges, pico.cycle))
     assert runs[0] == runs[1] and len(runs[0][0]) == 51
@@ -72,7 +72,7 @@ a.active(0)
 
 
 def test_pio_runs_by_the_clock_asleep_and_awake(pico):
-    fast, slow = pico.edges(6), pico.edges(8)
+    fast, slow = pico.record_edges(6), pico.record_edges(8)
     pico.exec(CLOCKED)
     assert set(intervals(fast)[2:-1]) == {1, 3}
     periods = intervals(slow)[2:-1]
@@ -124,14 +124,14 @@ def test_delay_loops_run_through_ahead_are_as_if_stepped(uf2, monkeypatch):
     for skipping in (True, False):
         monkeypatch.setattr(pio.TimedPio, "skipping", skipping)
         pico = EmulatedPico(uf2=uf2).boot()
-        edges = [pico.edges(gpio) for gpio in (2, 3, 4)]
+        edges = [pico.record_edges(gpio) for gpio in (2, 3, 4)]
 
         def pulse(pico=pico):
-            pico.drive(9, 1)
-            pico.at(pico.cycle + 777, lambda: pico.drive(9, 0))
+            pico.drive_pin(9, 1)
+            pico.call_at(pico.cycle + 777, lambda: pico.drive_pin(9, 0))
 
         for number in range(5):
-            pico.at(pico.cycle + (12_000 + 611 * number) * CYCLES_PER_US, pulse)
+            pico.call_at(pico.cycle + (12_000 + 611 * number) * CYCLES_PER_US, pulse)
         runs.append((pico.exec(PLAYED), edges, pico.cycle))
     assert runs[0] == runs[1]
     assert int(runs[0][0].split()[0]) > 0 and int(runs[0][0].split()[2]) > 0, "it was frozen inside a word"
@@ -153,10 +153,10 @@ pin.irq(heard, Pin.IRQ_FALLING | Pin.IRQ_RISING, hard=True)
 
 
 def test_pins_have_two_sides(pico):
-    edges = pico.edges(2)
+    edges = pico.record_edges(2)
     assert pico.exec(PINS) == "1 1\r\n"
     for level in (0, 0, 1, 0, None, None):
-        pico.drive(5, level)
+        pico.drive_pin(5, level)
         pico.run(100)
     assert pico.exec("print(edges, pin.value())") == "4 1\r\n"
     pico.hard_reset()

@@ -86,10 +86,10 @@ def test_a_board_on_a_port(uf2, tmp_path, moves):  # noqa: F811
         with running(_board().pico, link) as made, pytest.MonkeyPatch.context() as patch:
             patch.setattr(connection, "PortBoard", lambda name: PicoPort(made, name))
             patch.setattr(rates, "PIO_KHZ", (480,))
-            edges = [made.pico.edges(pin) for pin in (2, 3, 4)]
+            edges = [made.pico.record_edges(pin) for pin in (2, 3, 4)]
             words = ["experiments", "lines", "codes", "rates", "--on", str(link), "--out", str(tmp_path / "out"), *["--moves"] * moves]
             result = CliRunner().invoke(app, words)
-            enable = made.pico.pads.state(9)
+            enable = made.pico.pads.state_of(9)
         if result.exception and not isinstance(result.exception, SystemExit):
             raise result.exception
         return result.exit_code, result.output, sum(map(len, edges)), enable

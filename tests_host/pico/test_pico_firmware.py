@@ -38,7 +38,7 @@ def until_up(machine):
             return machine.now_ms() - begun
     machine.pico.console.send(b"\r")
     machine.run_ms(POLL_MS)
-    raise AssertionError(f"no answer within {UP_LIMIT_MS} ms: {machine.pico.console.take().decode()}")
+    raise AssertionError(f"no answer within {UP_LIMIT_MS} ms: {machine.pico.console.take_output().decode()}")
 
 
 def said(pico, limit_us=2_000_000):
@@ -153,7 +153,7 @@ def test_a_wrong_board_file_gives_one_line(uf2, text, wanted):
     files = dict(firmware_files(BOARD))
     files["board.py"] = text
     pico = EmulatedPico(files=files, uf2=uf2)
-    driven = [pico.edges(gpio) for gpio in range(2, 10)]
+    driven = [pico.record_edges(gpio) for gpio in range(2, 10)]
     pico.boot()
     lines = [line for line in said(pico).splitlines() if "board.py" in line]
     assert len(lines) == 1 and wanted in lines[0]

@@ -41,7 +41,7 @@ class Started:
         self.machine = machine = EmulatedMachine(board, files, uf2=uf2).boot()
         console = machine.pico.console
         machine.run_until(lambda: b"ready" in console.text or b">>> " in console.text, LIMIT_MS, 200)
-        self.said = bytes(console.take()).decode()
+        self.said = bytes(console.take_output()).decode()
         self.heap = Heap(machine.pico)
         link = next(iter(machine.uart_links()), None)  # None: USB
         question, answer = PLOTTER if board == "plotter_2014" else (b"?", b"<")
@@ -52,7 +52,7 @@ class Started:
         self.answered_ms = machine.now_ms()
         console.send(b"\r")
         machine.run_ms(20)
-        self.said += bytes(console.take()).decode()
+        self.said += bytes(console.take_output()).decode()
 
 
 @pytest.mark.parametrize("board, free", [("router_3axis", 70_000), ("plotter_2014", 119_000)])
@@ -108,7 +108,7 @@ def test_a_torn_or_mixed_build_is_not_run(torn, uf2):
     machine = EmulatedMachine("plotter_2014", files, uf2=uf2).boot()
     console = machine.pico.console
     machine.run_until(lambda: b">>> " in console.text, LIMIT_MS)
-    said = bytes(console.take()).decode()
+    said = bytes(console.take_output()).decode()
     assert "the firmware here is not whole" in said and "Traceback" not in said
     assert not machine.wiring.edge_count
 

@@ -74,11 +74,11 @@ def compiled(chip, cache):
 
 
 def watched(chip, cache):
-    cache.watch()
+    cache.watch_accesses()
     return Loop(chip)
 
 
-MAKES = [watched, *([compiled] if native.library() else [])]
+MAKES = [watched, *([compiled] if native.load_library() else [])]
 
 
 @pytest.fixture(params=MAKES, ids=lambda make: make.__name__)
@@ -87,7 +87,7 @@ def program(request):
 
 
 def test_there_is_a_compiler():
-    if native.library() is None:
+    if native.load_library() is None:
         pytest.skip("NOT TESTED: no C compiler, or PASSO_NATIVE=0")
 
 
@@ -303,8 +303,8 @@ print(work(40), ticks)
 @pytest.mark.parametrize("miss", (0, MISS))
 def test_micropython_takes_the_same_cycles_in_both_makes(uf2, miss, monkeypatch):
     found = []
-    for make in (None, native.library()):
-        monkeypatch.setattr(native, "library", lambda: make)
+    for make in (None, native.load_library()):
+        monkeypatch.setattr(native, "load_library", lambda: make)
         pico = EmulatedPico(files={}, uf2=uf2, flash_miss=miss).boot()
         said = pico.exec(BUSY)
         found.append((said, pico.cycle, pico.flash_cache.misses if miss else 0))

@@ -118,7 +118,7 @@ def test_a_copy_of_the_uf2_that_is_cut_short(uf2, frozen, tmp_path, share):  # n
         done = pico.flash("--uf2", frozen, "--board", "two_motor_kit")
         assert done.returncode == 1 and "hold BOOTSEL while you plug it in, then: passo flash --uf2" in done.stderr, (done.stdout, done.stderr)
         pico.bootsel()
-        while not (pico.drive / "INFO_UF2.TXT").exists():
+        while not (pico.drive_pin / "INFO_UF2.TXT").exists():
             os.sched_yield()
         done = pico.flash("--uf2", frozen, "--board", "two_motor_kit")
         assert done.returncode == 0 and "two_motor_kit runs on" in done.stdout, (done.stdout, done.stderr)

@@ -128,7 +128,7 @@ def test_lines_dots_and_answers(frozen, show):
     machine = boot_for_lines(board, frozen, texts)
     run = on_a_copy(lambda: gcode.run_lines(machine, 0.2, 245, 200))
     gcode.talk_to(machine)
-    steps, holds = on_a_copy(lambda: (gcode.first_steps(machine, 3), gcode.holds(machine, 3)))
+    steps, holds = on_a_copy(lambda: (gcode.time_first_steps(machine, 3), gcode.time_holds(machine, 3)))
     board, texts = gcode.fast_board((0.1,), laser=True)
     laser = boot_for_lines(board, frozen, texts)
     dots = on_a_copy(lambda: gcode.run_raster(laser, 0.1, 200, 200))
@@ -171,7 +171,7 @@ def test_a_torn_image_is_not_run(frozen):
     for missing in (20, 2, 1):
         machine = torn(frozen, blocks - missing)
         said = outcome(machine, 250)
-        assert not machine.wiring.edge_count and not machine.listening() and "code in the UF2" not in said, (missing, said)
+        assert not machine.wiring.edge_count and not machine.is_listening() and "code in the UF2" not in said, (missing, said)
     assert "the UF2 here is not whole" in said
 
 
@@ -181,7 +181,7 @@ def test_cut_anywhere_it_starts_no_motion(frozen):
     for there in range(1, blocks, 97):
         machine = torn(frozen, there)
         said = outcome(machine, 250)
-        assert not machine.wiring.edge_count and not machine.listening() and "code in the UF2" not in said, (there, said)
+        assert not machine.wiring.edge_count and not machine.is_listening() and "code in the UF2" not in said, (there, said)
 
 
 def test_a_bit_that_has_changed_is_found(frozen):

@@ -72,7 +72,7 @@ def test_all_at_once(frozen_w, board, show):
     machine, air = on_the_air(board, frozen_w)
     begun = Heap(machine.pico, True)
     sender = Asking(machine, machine.board["links"][0]["name"])
-    sender.stream(streamed(machine.board))
+    sender.stream_lines(streamed(machine.board))
     pages = [Page(air), Page(air)]
     for page in pages:
         page.until(lambda page=page: page.state.get("state") == "Run", 10_000)
@@ -82,7 +82,7 @@ def test_all_at_once(frozen_w, board, show):
         body, ms = air.answer(air.get(name), 8000)
         assert gzip.decompress(body) == texts_of(machine.board)[name[1:] or "index.html"]
         took.append(ms)
-        asked.append(sender.status())
+        asked.append(sender.ask_status())
         answer, _ = pages[0].order("log")
         assert answer["log"] == [], "no word is late, no memory is wanting"
         heaps.append(Heap(machine.pico, True))
@@ -110,7 +110,7 @@ def test_a_broker_is_told_beside_two_pages_and_stops_the_machine(frozen_w, show)
     machine, air = on_the_air(board, frozen_w, _RADIO + b'import broker_socket\nsys.modules["socket"] = broker_socket\n', modules)
     begun, before = Heap(machine.pico, True), Heap(without.pico, True)
     sender = Asking(machine, machine.board["links"][0]["name"])
-    sender.stream(streamed(machine.board))
+    sender.stream_lines(streamed(machine.board))
     pages = [Page(air), Page(air)]
     for page in pages:
         page.until(lambda page=page: page.state.get("state") == "Run", 10_000)

@@ -95,7 +95,7 @@ def test_a_picture_is_read_planned_and_burnt(uf2, show):
 @pytest.mark.slow
 def test_tight_arcs_are_stepped_in_time(uf2):
     """On the board as it is; where it stands at the end its pins tell."""
-    machine = gcode.router()
+    machine = gcode.boot_router()
     start = list(machine.plant.position)
     assert gcode.late_words(machine, TIGHT) == 0
     assert [after - before for after, before in zip(machine.plant.position, start)] == END_STEPS
@@ -104,9 +104,9 @@ def test_tight_arcs_are_stepped_in_time(uf2):
 @pytest.mark.slow
 def test_s_curves_are_stepped_in_time(uf2):
     """Lines, on the shipped board, except for the memory that it reserves for arcs."""
-    machine = gcode.router(jerk=JERK)
+    machine = gcode.boot_router(jerk=JERK)
     start = list(machine.plant.position)
-    pulses = machine.pico.edges(X_STEP)
+    pulses = machine.pico.record_edges(X_STEP)
     assert gcode.late_words(machine, GENTLE) == 0
     assert machine.plant.position == start
     rising = [cycle for cycle, level in pulses if level == 1]

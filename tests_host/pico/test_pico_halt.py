@@ -7,8 +7,8 @@ from emulated import rig, timer_rig, uf2  # noqa: F401
 
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
-from host_tools.emulator.halting import INPUTS, INTERRUPT_PIN, PLAYER_PIN, amid_start, in_hand, resume, set_out, trials
-from host_tools.emulator.rig import router, ticks_of
+from host_tools.emulator.halting import INPUTS, INTERRUPT_PIN, PLAYER_PIN, amid_start, in_hand, resume_line, set_out, try_halts
+from host_tools.emulator.rig import router_board, ticks_of
 from passo.ports.rp2.fields import PIO_FIELDS, PIO_STUCK
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
@@ -21,7 +21,7 @@ TRIALS = 6
 def test_stopped_at_any_moment_it_knows_where_it_is(rig, pin, most_us, show):
     random = Random(pin)
     set_out(rig, DELTAS, RATE_HZ, 2000)
-    found = trials(rig, pin, [random.uniform(0, 15_000) for _ in range(TRIALS)])
+    found = try_halts(rig, pin, [random.uniform(0, 15_000) for _ in range(TRIALS)])
     for reaction_us, reported, counted, _ in found:
         assert reported == counted and any(counted)
         assert reaction_us <= most_us
@@ -36,7 +36,7 @@ def test_a_word_pulled_but_not_played_does_not_count(rig):
 
 
 def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
-    stood, index, position, edge = resume(rig, INTERRUPT_PIN, DELTAS, RATE_HZ, 20_000, 10_000)
+    stood, index, position, edge = resume_line(rig, INTERRUPT_PIN, DELTAS, RATE_HZ, 20_000, 10_000)
     assert position == rig.count_steps() == list(DELTAS)
     assert stood[0] == index and 0 < index < DELTAS[0]
     rises = [cycle for cycle, state in rig.step_edges[0] if state == 1]
@@ -64,19 +64,19 @@ PULSE_US = 5
 @pytest.mark.parametrize("call", ["hold(1); player.halt()", "stop(); player.hold(1); player.halt()"])
 def test_a_halt_cuts_no_pulse_short(rig, call):
     """Whenever it comes: a driver may miss a pulse that is too short, and the firmware has counted it."""
-    rig.fit(router(3, inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
+    rig.load_board(router_board(3, inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
     deltas = (1500, 1100, -800)
-    rig.clear()
+    rig.clear_edges()
     rig.pico.console.start(HALTED % (deltas, ticks_of(deltas, 25_000), call))
     while not any(rig.step_edges):
         rig.pico.run(200)
     rig.pico.run(6000)
-    rig.pico.drive(20, 1)
+    rig.pico.drive_pin(20, 1)
     rig.pico.run(15_000)
 
     def widths_us(after_us):
         rig.pico.run(after_us)
-        rig.pico.drive(20, 0)
+        rig.pico.drive_pin(20, 0)
         rig.pico.run(1000)
         assert b"\x04\x04" in rig.pico.console.text and all(log[-1][1] == 0 for log in rig.step_edges)
         return [(fall - rise) / CYCLES_PER_US for log in rig.step_edges for (rise, high), (fall, _) in zip(log, log[1:]) if high]
@@ -89,25 +89,25 @@ def test_a_halt_cuts_no_pulse_short(rig, call):
 @pytest.mark.parametrize("by", ["interrupt", "main loop"])
 def test_a_halt_of_the_timer_player_cuts_no_pulse_short(timer_rig, by):  # noqa: F811
     """It makes each pulse within its own interrupt, which no other one breaks off."""
-    timer_rig.fit(router(3, player="timer", inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
+    timer_rig.load_board(router_board(3, player="timer", inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
     deltas, hz = (2400, 1600, -1200), 20_000
     if by == "interrupt":
-        timer_rig.clear()
+        timer_rig.clear_edges()
         set_out(timer_rig, deltas, hz, 6000)
         pin, level = INTERRUPT_PIN, 1
     else:
-        timer_rig.clear()
+        timer_rig.clear_edges()
         program = HALTED.replace("while pin.value()", "print('held')\nwhile pin.value()")
         timer_rig.pico.console.start(program % (deltas, ticks_of(deltas, hz), "hold(1); player.halt()"))  # else the feeder would start it again
         while not any(timer_rig.step_edges):
             timer_rig.pico.run(200)
-        timer_rig.pico.drive(20, 1)
+        timer_rig.pico.drive_pin(20, 1)
         timer_rig.pico.console.expect(b"held")
         pin, level = 20, 0
 
     def widths_us(after_us):
         timer_rig.pico.run(after_us)
-        timer_rig.pico.drive(pin, level)
+        timer_rig.pico.drive_pin(pin, level)
         timer_rig.pico.run(1000)
         for _ in range(30):  # the script's own call may have to collect garbage first
             if by == "main loop" and b"\x04\x04" not in timer_rig.pico.console.text:
@@ -144,7 +144,7 @@ while True:
 
 @pytest.mark.slow
 def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
-    rig.clear()
+    rig.clear_edges()
     rig.pico.console.start(HANG)
     rig.pico.console.expect(b"hangs")
     hung = rig.pico.cycle
@@ -180,6 +180,6 @@ except RuntimeError as error:
 
 @pytest.mark.slow
 def test_a_player_that_is_stuck_steps_nothing_and_ends_the_main_loop(rig):
-    rig.clear()
+    rig.clear_edges()
     assert rig.pico.exec(STUCK % (PIO_FIELDS, PIO_STUCK)) == "the player's DMA or state machine does not answer\r\n"
     assert rig.count_steps() == [0, 0, 0]

@@ -22,7 +22,7 @@ MASKED = f"        masked = disable_irq()\n        sleep_us({MASK_US})\n        
 def latency_us(pico):
     """From the edge of the input to its interrupt handler."""
     begun = pico.cycle
-    pico.drive(STOP_PIN, 1)
+    pico.drive_pin(STOP_PIN, 1)
     while pico.chip.core.ipsr != PINS:
         assert pico.cycle - begun < 1000 * CYCLES_PER_US, "no interrupt came"
         pico.run(SLICE_US)

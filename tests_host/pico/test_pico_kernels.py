@@ -12,7 +12,7 @@ from host_tools.emulator.flash_cache import Unaligned
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.kernels import module
 
-pytestmark = [pytest.mark.xdist_group("kernels"), pytest.mark.skipif(module.compiler("armv6m") is None, reason="there is no compiler of kernels for armv6m")]
+pytestmark = [pytest.mark.xdist_group("kernels"), pytest.mark.skipif(module.find_compiler("armv6m") is None, reason="there is no compiler of kernels for armv6m")]
 LIMIT_US = 20_000_000
 EDGE_PAIRS = [(a, b, 0) for a in EDGES for b in EDGES][::3]
 triples = st.lists(st.tuples(*[st.integers(-(1 << 31), (1 << 31) - 1)] * 3), min_size=30, max_size=30)

@@ -47,8 +47,8 @@ class Laser:
 
         self.slice.write_register = write
         self.machine.run_until(lambda: b"unlock" in self.machine.replies_so_far(), 5000)
-        self.steps = self.machine.pico.edges(_STEP)
-        self.tool = self.machine.pico.edges(_TOOL)
+        self.steps = self.machine.pico.record_edges(_STEP)
+        self.tool = self.machine.pico.record_edges(_TOOL)
         self.say("$X", "G21G91F3000")
 
     def value(self):
@@ -69,7 +69,7 @@ class Laser:
             self.machine.run_ms(30)
 
     def lit(self):
-        return self.machine.pico.pads.state(_TOOL)
+        return self.machine.pico.pads.state_of(_TOOL)
 
     def dark(self):
         return not self.lit() and self.value() == 0
@@ -104,7 +104,7 @@ def follows(laser, marks):
 def test_a_raster_burns_where_it_says(laser, show):
     """At one speed, M3: each dot's power from its first step on, rapids and S0 dark; the tool's pin with the very step."""
     assert laser.dark() and not laser.duty
-    pulses = laser.machine.pico.edges(_PWM)
+    pulses = laser.machine.pico.record_edges(_PWM)
     laser.say("M3S0", "G0X1", "G1X.5S500", "X.5S1000", "X.5S0", "X.5S3", "G0X.5", "G1X.5", "X.5S250", "G0X1S0", "M5")
     laser.settle()
     mm = [0, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5]
@@ -190,7 +190,7 @@ def test_a_hold_is_dark_and_goes_on_as_it_was(laser):
 def test_it_is_dark_at_once(laser, how):
     """In the middle of dots, the next ones queued: nothing of them is seen any more."""
     if how == "limit":
-        laser.machine.pico.drive(9, 0)
+        laser.machine.pico.drive_pin(9, 0)
         laser.say("$21=1")
     laser.say("M3S900", *["G1X1S%d" % (100 + 7 * dot) for dot in range(8)])
     laser.machine.run_ms(60)
@@ -199,7 +199,7 @@ def test_it_is_dark_at_once(laser, how):
     if how == "reset":
         laser.machine.send(b"\x18")
     else:
-        laser.machine.pico.drive(13 if how == "door" else 9, 1)
+        laser.machine.pico.drive_pin(13 if how == "door" else 9, 1)
     laser.machine.run_until(laser.dark, 200)
     took_ms = (laser.machine.pico.cycle - begun) / CYCLES_PER_MS
     assert took_ms < (60 if how == "door" else 20), took_ms
@@ -279,7 +279,7 @@ def test_a_halt_stays_dark(laser):
     def shown(phase):
         laser.machine.run_ms(phase / 25)
         known = len(laser.duty)
-        laser.machine.pico.drive(_STOP, 0)
+        laser.machine.pico.drive_pin(_STOP, 0)
         laser.machine.run_ms(4 if phase % 5 else 20)
         return [value for _, value in laser.duty[known:]], laser.lit()
 
@@ -357,7 +357,7 @@ def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
     laser.machine.run_until(laser.dark, 10)
     made = len(laser.steps)
     laser.machine.run_ms(300)
-    assert laser.dark() and laser.machine.pico.pads.state(_ENABLE) == 1 and len(laser.steps) == made
+    assert laser.dark() and laser.machine.pico.pads.state_of(_ENABLE) == 1 and len(laser.steps) == made
     assert b"ValueError: on purpose" in laser.machine.pico.files()["crash.txt"]
 
 

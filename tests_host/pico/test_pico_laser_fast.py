@@ -37,7 +37,7 @@ class Fast(Laser):
                 self.writes.append((self.machine.pico.cycle, self.slice.cc >> 16))
 
         self.slice.write_register = write
-        self.pulses = self.machine.pico.edges(_PWM)
+        self.pulses = self.machine.pico.record_edges(_PWM)
 
     def burn(self, powers, dots_mm, mode):
         """A row there, and one back, each from rest to rest. Returns the cycles of steps."""
@@ -134,4 +134,4 @@ def test_a_fast_uart_loses_no_byte(uf2, monkeypatch, think_us):  # noqa: F811
     monkeypatch.setenv("PASSO_FLASH_MISS", "50")
     machine = rows.fast_laser(200)
     link = next(link["name"] for link in machine.board["links"] if link["port"] == "uart0")
-    assert rows.measure(machine, link, "dots", think_us)["late"] == 0
+    assert rows.measure_stream(machine, link, "dots", think_us)["late"] == 0

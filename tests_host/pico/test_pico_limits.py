@@ -24,7 +24,7 @@ def router(uf2):  # noqa: F811
     board["spindle"] = {**board["spindle"], "spin_up_ms": 100}
     board["links"] = [link for link in board["links"] if link["name"] == SERIAL]
     machine = EmulatedMachine(board, trace=None, start=(30_000, 20_000, -8000)).boot()
-    machine.run_until(machine.listening, 10_000)
+    machine.run_until(machine.is_listening, 10_000)
     machine.run_ms(500)
     machine.send(b"$X\n$21=1\nG91\nM3S24000\nG4P0.2\n")
     machine.run_until(lambda: machine.replies_so_far().count(b"ok") >= 5, 20_000)
@@ -35,14 +35,14 @@ def router(uf2):  # noqa: F811
 def hit(machine, name, speed, wait_ms):
     """(µs from the edge of a limit amid a motion to the last step, the answer, whether the tool was off within 1 ms)"""
     pins = [axis["pins"][0] for axis in machine.board["axes"]]
-    tool = machine.pico.edges(TOOL_PIN)
-    logs = [machine.pico.edges(pin) for pin in pins]
+    tool = machine.pico.record_edges(TOOL_PIN)
+    logs = [machine.pico.record_edges(pin) for pin in pins]
     machine.send(b"G1X80Y-40F%d\n" % speed)
     machine.run_ms(wait_ms)
     assert sum(map(len, logs)) > 4
     pin = {item["name"]: item["pin"] for item in machine.board["inputs"]}[name]
     edge = machine.pico.cycle
-    machine.pico.drive(pin, 1)
+    machine.pico.drive_pin(pin, 1)
     machine.run_ms(1)
     off = [state for _, state in tool] == [0]
     machine.run_ms(200)
@@ -71,9 +71,9 @@ def test_spikes_stop_nothing(router):
         router.run_ms(100)
         for width in (1, 5, 20, 35):
             for pin in pins:
-                router.pico.drive(pin, 1)
+                router.pico.drive_pin(pin, 1)
                 router.pico.run(width)
-                router.pico.drive(pin, 0)
+                router.pico.drive_pin(pin, 0)
                 router.pico.run(700)
         router.run_ms(700)
         router.send(b"?")

@@ -35,7 +35,7 @@ print(gc.mem_alloc() - before, feeder.late, feeder.position(player.played()))
 
 
 def test_words_are_made_without_the_heap(rig):
-    rig.clear()
+    rig.clear_edges()
     assert rig.pico.exec(LOCKED) == "0 0 [0, 320, 0]\r\n"
     assert rig.count_steps() == [0, 320, 0]
 

@@ -88,9 +88,9 @@ class Sender:
         """A job is sent, run once or stopped, and deleted."""
         self.still()
         data = job(self.random)
-        packed = stored_job.pack(data)
+        packed = stored_job.pack_job(data)
         name = self.random.choice((b"A", b"LONGER.GCODE"))
-        self.ask(b"$FS=%s,grbl,%d,%08x,%d" % (name, len(data), stored_job.crc(data), len(packed)))
+        self.ask(b"$FS=%s,grbl,%d,%08x,%d" % (name, len(data), stored_job.crc_of(data), len(packed)))
         for at in range(0, len(packed), 57):
             self.ask(b"$F:" + base64.b64encode(packed[at : at + 57]))
         self.ask(b"$FE")

@@ -32,7 +32,7 @@ while True:
 MISS, RUN_US = 50, 20_000
 
 
-@pytest.mark.skipif(native.library() is None, reason="NOT TESTED: a profile needs a C compiler")
+@pytest.mark.skipif(native.load_library() is None, reason="NOT TESTED: a profile needs a C compiler")
 def test_every_cycle_is_counted_once(uf2):
     pico = EmulatedPico(files={}, uf2=uf2, flash_miss=MISS).boot()
     pico.console.start(BUSY)
@@ -77,10 +77,10 @@ def work():
 """
 
 
-@pytest.mark.skipif(native.library() is None, reason="NOT TESTED: a profile needs a C compiler")
+@pytest.mark.skipif(native.load_library() is None, reason="NOT TESTED: a profile needs a C compiler")
 def test_kernels_are_named_and_their_calls_counted(uf2):
     try:
-        names = where.symbols()
+        names = where.load_symbols()
     except Unavailable as reason:
         pytest.skip(f"NOT TESTED: {reason}")
     pico = EmulatedPico(files={}, uf2=uf2).boot()
@@ -118,7 +118,7 @@ def test_names_come_from_the_elf_file(tmp_path):
     named = {0x10000200: "early", 0x1000020E: "early", 0x10000210: UNNAMED, 0x10000300: "in_assembly",
              0x100003FE: "in_assembly", 0x10000406: "late", 0x10000408: UNNAMED, 0x2000011E: "fast", 0x20000120: IN_RAM,
              0x2003FFFE: IN_RAM, 0x1234: ROM}  # fmt: skip
-    assert {address: symbols.name(address) for address in named} == named
+    assert {address: symbols.name_of(address) for address in named} == named
     for wrong in (b"", b"\x7fELF\x02\x01" + bytes(60), elf([])):
         path.write_bytes(wrong)
         with pytest.raises(Failure):

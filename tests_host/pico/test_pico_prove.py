@@ -93,8 +93,8 @@ def test_the_rows_that_move_pins(board, way, show):
 def test_an_interrupt_in_front_of_the_first_cycle_makes_no_word_late(board):
     """The feeder's comes each 3 ms: here it always finds lines that no cycle has seen, as if the machine had just been made."""
     code = """
-_queue = queue
-def queue(lines):
+_queue = queue_lines
+def queue_lines(lines):
     port.wait(False, False)  # the main loop's heartbeat
     feeder.open = True
     _queue(lines)
@@ -150,7 +150,7 @@ def test_the_witness_sees_what_the_emulator_sees(board, show):
 
     def measured(witnessed):
         proof = Proof(board, boards.load(BOARD), True)
-        logs = [board.pico.edges(pin) for pin in range(2, 8)]
+        logs = [board.pico.record_edges(pin) for pin in range(2, 8)]
         if not witnessed:
             start = board.start
             board.start = lambda code: start(code.replace("witness.start()", "pass"))
@@ -192,8 +192,8 @@ def _busy(timer):
     end = ticks_us() + 20000
     while ticks_diff(end, ticks_us()) > 0:
         pass
-_make = queue
-def queue(lines):
+_make = queue_lines
+def queue_lines(lines):
     _make(lines)
     machine.Timer(mode=machine.Timer.ONE_SHOT, period=5, callback=_busy, hard=True)
 """
@@ -203,8 +203,8 @@ def queue(lines):
 def swapped_pin(board):
     other = {STEP_Y: DIR_Y, DIR_Y: STEP_Y}
     pads, chip = board.pico.pads, board.pico.chip
-    plain = pads._set
-    pads._set = lambda pin, level: plain(chip.gpio[other.get(pin.index, pin.index)], level)
+    plain = pads._set_input
+    pads._set_input = lambda pin, level: plain(chip.gpio[other.get(pin.index, pin.index)], level)
 
 
 def dead_dma(board):
@@ -214,7 +214,7 @@ def dead_dma(board):
 
 
 def slow_flash(board):
-    board.pico.flash_times.take(erase_us=400_000, page_us=3000)
+    board.pico.flash_times.set_times(erase_us=400_000, page_us=3000)
 
 
 def changed_kernel(board):
@@ -241,8 +241,8 @@ def lost_bytes(board):
 
 def stuck_enable(board):
     pads, chip = board.pico.pads, board.pico.chip
-    plain = pads._set
-    pads._set = lambda pin, level: plain(pin, False if pin.index == ENABLE else level)
+    plain = pads._set_input
+    pads._set_input = lambda pin, level: plain(pin, False if pin.index == ENABLE else level)
 
 
 def short_pulse(board):

@@ -125,7 +125,7 @@ def test_bits_of_the_port_on_the_pins(make_machine):  # noqa: F811
     board = boards.load("lpt_router")
     board["step_program"].update({"port_pins": [8, 5, 2, 6, 3, 7, 4, 9], "port_bits": "7654321-", "port_invert": 0x04})
     machine = make_machine(board)
-    tool, x_step, y_step = (machine.pico.edges(pin) for pin in (8, 2, 3))
+    tool, x_step, y_step = (machine.pico.record_edges(pin) for pin in (8, 2, 3))
     heard = bytearray()
 
     def until(word):

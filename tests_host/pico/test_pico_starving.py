@@ -49,7 +49,7 @@ def stream(machine, link, what, mm_min, count, mm=MM):
     for line in ("$X", "G21G91G94", "G1F%d" % mm_min, "X1", "X-1", WHAT[what]):
         client.command(line)
     machine.run_ms(500)
-    edges = machine.pico.edges(STEP)
+    edges = machine.pico.record_edges(STEP)
     lines = [b"G1X%.4fY0.0000" % mm + (b"S%d" % (number * 397 % 999 + 1) if WHAT[what] else b"") for number in range(count)]
     for _ in client.stream(list(enumerate(lines))):
         pass

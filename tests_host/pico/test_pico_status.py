@@ -14,13 +14,13 @@ SETTLE_MS = 400
 
 @pytest.fixture
 def asked(uf2):
-    return moving.router("pc")
+    return moving.boot_router("pc")
 
 
 @pytest.mark.slow
 def test_answers_come_in_time_while_three_axes_step(asked, show):
     """All but one: asking leaves next to no garbage, but garbage of before may be collected now."""
-    took_ms = sorted(moving.answers(asked, moving.long_lines(), ANSWERS))
+    took_ms = sorted(moving.time_answers(asked, moving.long_lines(), ANSWERS))
     show("`?` on the Pico at 3 x 100 kHz", f"median {median(took_ms):.1f} ms, all but one within {took_ms[-2]:.1f} ms")
     assert median(took_ms) <= 4.5 and took_ms[-2] <= 5
 
@@ -31,11 +31,11 @@ def test_places_are_told_to_the_last_digit(asked):
     machine, asking = asked
 
     def tell(*lines):
-        asking.stream([line + b"\n" for line in lines])
+        asking.stream_lines([line + b"\n" for line in lines])
         machine.run_until(lambda: not asking.unanswered, 1000)
         machine.run_ms(SETTLE_MS)
         asking.said.clear()
-        asking.status()
+        asking.ask_status()
         machine.run_ms(20)
         return bytes(asking.said)
 

@@ -7,7 +7,7 @@ import pytest
 from emulated import rig, timer_rig, uf2  # noqa: F401
 
 from host_tools.emulator.halting import INTERRUPT_PIN, amid_start
-from host_tools.emulator.rig import Rig, router
+from host_tools.emulator.rig import Rig, router_board
 from host_tools.emulator.traffic import points
 from host_tools.sim.decoders import Pbl3770a
 from passo.options.drive_pbl3770a import drive as pbl3770a
@@ -81,10 +81,10 @@ def test_from_rest_at_full_rate(rig, axes, hz):
     [(1, 0, 1, False), (2, 10, 0, True), (5, 2, 1, True), (5, 0, 0, False)],
 )
 def test_pulse_width_setup_and_polarity_are_those_of_the_board_file(rig, pulse_us, setup_us, step_active, reverse):
-    board = router(3, drive={"kind": "step_dir", "pulse_us": pulse_us, "setup_us": setup_us, "step_active": step_active})
+    board = router_board(3, drive={"kind": "step_dir", "pulse_us": pulse_us, "setup_us": setup_us, "step_active": step_active})
     for axis in board["axes"]:
         axis["reversed"] = reverse
-    rig.fit(board)
+    rig.load_board(board)
     run = rig.play([((300, 200, -100), 50_000), ((-300, 100, 100), 50_000)], COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
     assert run.widths == {ticks_of_us(pulse_us) * 80 // CYCLE_NS}
@@ -99,7 +99,7 @@ def test_pulse_width_setup_and_polarity_are_those_of_the_board_file(rig, pulse_u
 def test_four_axes(rig, hz, missed, show):
     """`missed`: cycles of a miss of the flash cache. With these 400 kHz is kept or not by where the code happens to lie: with some
     layouts the player waits once."""
-    rig.fit(router(4))
+    rig.load_board(router_board(4))
     if missed:
         rig.pico.charge_flash(missed)
     run = rig.play([((12000, 9000, -6000, 3330), hz), ((-12000, 0, 6000, 10000), hz)], COLLECT)
@@ -112,7 +112,7 @@ def test_four_axes(rig, hz, missed, show):
 @pytest.mark.parametrize("mode", ["half", "full", "eighth"])
 def test_two_motors_with_two_winding_chips_each(uf2, mode):  # noqa: F811
     """Thirteen pins of one word. A motor follows the currents on them to the same position."""
-    board = router(2, drive={"kind": "pbl3770a", "mode": mode}, outputs=[], tool={"pin": 14})
+    board = router_board(2, drive={"kind": "pbl3770a", "mode": mode}, outputs=[], tool={"pin": 14})
     for axis, first in zip(board["axes"], (2, 8)):
         axis["pins"] = list(range(first, first + 6))
     rig = Rig(board, uf2)  # whose build has this drive

@@ -4,7 +4,7 @@ import pc_modules  # noqa: F401: before host_tools
 from draws import Random
 from host_tools.clients.grbl_wire import number_line
 from host_tools.programs.program_lines import (
-    WrongLetter, changes_settings, ends_program, first_job_error, job_error, program_lines, raw_lines_of, strip,
+    WrongLetter, changes_settings, ends_program, first_job_error, job_error, program_lines, raw_lines_of, strip_line,
 )  # fmt: skip
 from passo import errors
 from router import Machine, answers
@@ -114,5 +114,5 @@ def check_no_byte_beyond_ascii_is_sent(seed):
         return
     for _number, line in lines:
         assert line and not [byte for byte in line if not 32 < byte < 127 or byte in b"?!~"]
-        assert strip(line) == line or b"(" in line or b";" in line
+        assert strip_line(line) == line or b"(" in line or b";" in line
     assert len([line for _, line in lines[:-1] if ends_program(line)]) == 0

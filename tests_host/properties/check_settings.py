@@ -69,7 +69,7 @@ def check_power_cut_at_every_byte():
                 cut = CutSlots(slots, left, manner)
                 writer = make(cut)
                 writer.change(number, value)
-                writer.put("G54", offset)
+                writer.add_line("G54", offset)
                 writer.save()
                 rest = MemorySlots()
                 rest.data = cut.data

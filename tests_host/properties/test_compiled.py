@@ -82,7 +82,7 @@ def test_properties_under_cpython(in_c, checks):
 @pytest.fixture(scope="module")
 def machine_code():
     """The firmware for MicroPython on this PC, its kernels compiled as C."""
-    if not MICROPYTHON.exists() or module.compiler("x64") is None:
+    if not MICROPYTHON.exists() or module.find_compiler("x64") is None:
         pytest.skip("MicroPython here takes no machine code, or there is no compiler for it")
     return unix_tree(march="x64")
 

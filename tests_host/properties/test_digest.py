@@ -21,7 +21,7 @@ from host_tools.drawings.objects import objects
 from host_tools.kernels.inline import inline_kernels
 from passo.protocols.torch import protocol as torch
 from passo.protocols.plotter.host import COMMANDS, packet
-from host_tools.prove.gcode_jobs import all_jobs, play, star
+from host_tools.prove.gcode_jobs import all_jobs, backlash_job, star
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 pytestmark = pytest.mark.unmeasured
@@ -137,7 +137,7 @@ def test_two_motors_on_one_belt(tmp_path):
 @pytest.mark.quick
 def test_lost_motion(tmp_path):
     job = tmp_path / "job.gcode"
-    job.write_text("".join(f"{line}\n" for line in play()))
+    job.write_text("".join(f"{line}\n" for line in backlash_job()))
     compare_gcode("play", job, "router_ballscrew")
 
 

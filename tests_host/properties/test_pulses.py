@@ -10,7 +10,7 @@ from lpt import Lpt
 @pytest.mark.parametrize("shape", pulse_shapes.SHAPES)
 def test_cuts_of_the_document(shape, show):
     """At their full size: closed, every step where it should be, diagonals at the same speed along the path."""
-    text = pulse_shapes.text(shape, 80, 2000)
+    text = pulse_shapes.shape_text(shape, 80, 2000)
     machine = Lpt()
     machine.load(text)
     machine.tell("run")

@@ -99,7 +99,7 @@ def packed_dots():
 
 
 def halt_us(by):
-    return float(with_cache(Tables(DOCUMENT).cached("stops", by), "worst"))
+    return float(with_cache(Tables(DOCUMENT).row_with_cache("stops", by), "worst"))
 
 
 def test_pages_have_the_figures_of_these_tables():

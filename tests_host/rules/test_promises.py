@@ -48,7 +48,7 @@ def test_another_figure_in_a_table_is_another_at_the_top():
 @pytest.mark.parametrize("worst, over", [("24.9", ""), ("25.0", ""), ("25.1", ", more than the 25 µs")])
 def test_a_halt_that_takes_too_long_is_named(worst, over):
     stops = re.search(r"<!-- bench:stops -->\n.*?<!-- /bench:stops -->", DOCUMENT, re.DOTALL)[0]
-    row, cached = Tables(DOCUMENT).row("stops", "other pins"), Tables(DOCUMENT).cached("stops", "other pins")
+    row, cached = Tables(DOCUMENT).row("stops", "other pins"), Tables(DOCUMENT).row_with_cache("stops", "other pins")
     line = "| " + " | ".join(cached.values()) + " |"
     assert line in stops
     column = "worst" if "flash cache" in cached else "worst, flash cache"

@@ -212,7 +212,7 @@ class Pulses(Cabled):
                 name = self.dice.choice(sorted(self.jobs))
                 jobs.delete(name, protocol="pulses", **where)
                 del self.jobs[name]
-        self.jobs[self.name] = stored_job.crc(stored_job.KINDS["pulses"][0](path))
+        self.jobs[self.name] = stored_job.crc_of(stored_job.KINDS["pulses"][0](path))
 
     def plan(self, program):
         lasts_ms = 500 + len(program.whole)

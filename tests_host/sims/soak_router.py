@@ -750,7 +750,7 @@ class Router(Cabled):
     def store_job(self, link, program):
         """Until there is room for it. Raises nothing if the power goes: then another round begins."""
         data = b"".join(text.encode() + b"\n" for text, _ in program.lines)
-        packed = stored_job.pack(data)
+        packed = stored_job.pack_job(data)
         self.name = f"J{self.dice.randrange(8)}"
         self.check_jobs(link)
         while not self.upload(link, data, packed):
@@ -758,13 +758,13 @@ class Router(Cabled):
             self.do(link, f"$FD={name}")
             del self.jobs[name]
             self.check_jobs(link)
-        self.journal = stored_job.crc(data)
+        self.journal = stored_job.crc_of(data)
         self.jobs[self.name] = len(data), self.journal
         self.check_jobs(link)
 
     def upload(self, link, data, packed):
         """False if the memory is full. Jobs stored before stay."""
-        lines = [f"$FS={self.name},grbl,{len(data)},{stored_job.crc(data):08x},{len(packed)}"]
+        lines = [f"$FS={self.name},grbl,{len(data)},{stored_job.crc_of(data):08x},{len(packed)}"]
         lines += ["$F:" + base64.b64encode(packed[at : at + 54]).decode() for at in range(0, len(packed), 54)]
         lines.append("$FE")
         trouble = self.dice.choice(("", "", "torn", "wrong", "short"))

@@ -154,8 +154,8 @@ def machine_with_job(lost):
     board["links"][0].update(lost=lost, lost_ms=400)
     machine = VirtualMachine(board, start=(3000, 2500, -1800))
     data = b"G21G91\n" + b"G1X1.2345Y0.0001F3000\nG1X-1.2345Y-0.0001F3000\n" * 40
-    packed = stored_job.pack(data)
-    line = job_store.first_line("grbl", len(data), stored_job.crc(data), len(packed))
+    packed = stored_job.pack_job(data)
+    line = job_store.first_line("grbl", len(data), stored_job.crc_of(data), len(packed))
     (Path(machine.port.folder) / "A.job").write_bytes(line + packed)
     machine.send(b"$X\n")
     machine.run_ms(50)

@@ -140,7 +140,7 @@ def module_for(march):
     """(unit, bytes of kernels_tried.mpy) for a target."""
     program = Program({"tried.py": kernels_text()})
     unit = Unit(program, list(program.kernels.values()))
-    return unit, module.module(unit.text(RUNTIME), unit.names, march).data
+    return unit, module.make_module(unit.text(RUNTIME), unit.names, march).data
 
 
 def target_code(unit, triples):

@@ -5,13 +5,13 @@ from black_boxes import CAUSES
 from typer.testing import CliRunner
 
 from host_tools.cli.main import app
-from host_tools.programs.blackbox import pack, unpack
+from host_tools.programs.blackbox import pack_files, unpack_files
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     path = tmp_path_factory.mktemp("box") / "yesterday.zip"
-    path.write_bytes(pack(CAUSES["interlock"]()[0]))
+    path.write_bytes(pack_files(CAUSES["interlock"]()[0]))
     return path
 
 
@@ -24,7 +24,7 @@ def test_it_tells_and_replays(file, tmp_path):
     status, text = said(file, "--picture", tmp_path / "timeline.png", "--save", tmp_path / "copy.zip")
     assert status == 0 and "mill_2004" in text and "the interlock has stopped" in text and "the same way, 638 steps" in text
     assert (tmp_path / "timeline.png").read_bytes()[:4] == b"\x89PNG"
-    assert unpack((tmp_path / "copy.zip").read_bytes()) == unpack(file.read_bytes())
+    assert unpack_files((tmp_path / "copy.zip").read_bytes()) == unpack_files(file.read_bytes())
 
 
 def test_it_tells_alone(file):
@@ -33,12 +33,12 @@ def test_it_tells_alone(file):
 
 
 def test_another_way_is_an_error(file, tmp_path):
-    files = unpack(file.read_bytes())
+    files = unpack_files(file.read_bytes())
     board = files["board.py"]
     files["board.py"] = board.replace(b"'steps_per_m': 80000", b"'steps_per_m': 79000")
     assert files["board.py"] != board
     path = tmp_path / "other.zip"
-    path.write_bytes(pack(files))
+    path.write_bytes(pack_files(files))
     status, text = said(path)
     assert status == 1 and "went another way" in text
 

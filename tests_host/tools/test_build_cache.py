@@ -52,6 +52,6 @@ def test_a_kept_build_is_the_build(folder, tmp_path):
 
 
 def test_another_wish_for_the_compiler_is_another_build(monkeypatch):
-    with_compiler = module.origin("armv6m")
+    with_compiler = module.origin_of("armv6m")
     monkeypatch.setenv("PASSO_KERNELS", "viper")
-    assert module.origin("armv6m") != with_compiler
+    assert module.origin_of("armv6m") != with_compiler

@@ -192,7 +192,7 @@ def test_the_pattern_draws_each_length_so_often(tmp_path, capsys):
     run(table, pattern=lines, lengths="10,25", strokes=4)
     assert "10" in table.read_text() and capsys.readouterr().out.count("strokes_") == 2
     job = VirtualJob("router_3axis", inside=True)
-    job.run(gcode_file.lines(tmp_path / "strokes_y.gcode"))
+    job.run(gcode_file.file_lines(tmp_path / "strokes_y.gcode"))
     assert not job.errors and job.low == [0, 0, 0] and job.high[1] == 25
     code = [line for _, line in gcode_file.read(tmp_path / "strokes_x.gcode")]
     assert [code.count(b"G1X%dF600" % length) for length in (10, 25)] == [2, 2] and code.count(b"G1X0F600") == 4

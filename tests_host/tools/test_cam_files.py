@@ -18,7 +18,7 @@ def test_streamed_as_they_are(name, tmp_path, monkeypatch):
     """From homing to M30, with the tool changes acknowledged."""
     path = tmp_path / "part.nc"
     path.write_text(ALL[name])
-    assert compiler.detect(path)[0] == "plain"
+    assert compiler.detect_dialect(path)[0] == "plain"
     running = Running("fast")
 
     class Panel(stream.Panel):
@@ -45,7 +45,7 @@ def test_the_board_goes_where_the_listing_goes(name, tmp_path):
     path = tmp_path / "part.nc"
     path.write_text("".join(row for row in ALL[name].splitlines(True) if "G53" not in row and "G43" not in row and "G49" not in row))
     plain, made = VirtualJob("router_3axis"), VirtualJob("router_3axis")
-    plain.run(gcode_file.lines(path))
+    plain.run(gcode_file.file_lines(path))
     program = compiler.compile_file(path, "ngc", start=(0.0, 0.0, 0.0))
     made.run(program.rows())
     assert plain.errors == made.errors == []

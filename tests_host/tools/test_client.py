@@ -10,7 +10,7 @@ from fake_plotter import FakePlotter, without_repeats
 from host_tools.clients.plotter import Cancelled, PlotterClient, Refused
 from host_tools.clients.serial_port import LinkError
 from host_tools.failure import Failure
-from host_tools.programs.job import Broken, Job, remaining
+from host_tools.programs.job import Broken, Job, remaining_points
 from host_tools.programs.journal import Journal
 
 SQUARE = [(False, 644, 314), (True, 644, 454), (True, 884, 454), (True, 884, 314), (True, 644, 314)]
@@ -135,10 +135,10 @@ def test_cancel_is_noticed_while_waiting():
 
 
 def test_what_remains_begins_with_the_last_point_drawn():
-    assert remaining(SQUARE, 0) == (SQUARE, 0)
-    assert remaining(SQUARE, 2) == ([(False, 644, 454), *SQUARE[2:]], 1)
-    assert remaining(SQUARE + SQUARE, 5) == (SQUARE, 0)
-    assert remaining(SQUARE, 5) == ([], 0)
+    assert remaining_points(SQUARE, 0) == (SQUARE, 0)
+    assert remaining_points(SQUARE, 2) == ([(False, 644, 454), *SQUARE[2:]], 1)
+    assert remaining_points(SQUARE + SQUARE, 5) == (SQUARE, 0)
+    assert remaining_points(SQUARE, 5) == ([], 0)
 
 
 def strokes(points):
@@ -157,7 +157,7 @@ def test_a_drawing_broken_off_again_and_again_is_continued_exactly(tmp_path, los
             fake.lose_answers = losses
             journal = Journal(path, "same", 1000)
             if attempt:
-                journal.resume()
+                journal.resume_from_file()
             if attempt < 8:
                 threading.Timer(0.55, client.cancel).start()
             try:
@@ -189,7 +189,7 @@ def test_an_unplugged_board_costs_a_second_of_drawing(tmp_path, room):
 
         def progress(number, drawn):
             seen.append((drawn, Journal(journal.path, "same", 1000)))
-            seen[-1][1].resume()
+            seen[-1][1].resume_from_file()
             if drawn > 100:
                 fake.unplug()
 
@@ -198,7 +198,7 @@ def test_an_unplugged_board_costs_a_second_of_drawing(tmp_path, room):
         done = len(fake.drawn_points())
     assert all(drawn == kept.drawn for drawn, kept in seen)
     again = Journal(journal.path, "same", 1000)
-    again.resume()
+    again.resume_from_file()
     kept = again.drawn
     assert 100 < kept <= done < kept + 100
     assert job.progress_text() == f"{kept} of 300 points"
@@ -214,7 +214,7 @@ def test_a_journal_that_cannot_be_written_any_more_is_said_once_and_the_drawing_
     told = []
     with FakePlotter() as fake, PlotterClient(fake.path) as client:
         journal = Journal(folder / "journal", "same", 1000)
-        journal.probe()
+        journal.check_writable()
         folder.rmdir()
         Job(client, [SQUARE, SQUARE], journal, told.append).run()
         assert fake.objects == [as_packets(SQUARE)] * 2
@@ -222,25 +222,25 @@ def test_a_journal_that_cannot_be_written_any_more_is_said_once_and_the_drawing_
 
 
 def test_a_journal_is_tried_before_anything_moves(tmp_path):
-    Journal(tmp_path / "journal", "one", 1000).save(3, 4)
-    Journal(tmp_path / "journal", "two", 1000).probe()
+    Journal(tmp_path / "journal", "one", 1000).save_progress(3, 4)
+    Journal(tmp_path / "journal", "two", 1000).check_writable()
     kept = Journal(tmp_path / "journal", "one", 1000)
     assert kept.is_begun() and (kept.object, kept.drawn) == (0, 0)
-    kept.resume()
+    kept.resume_from_file()
     assert (kept.object, kept.drawn) == (3, 4)
     assert not Journal(tmp_path / "journal", "two", 1000).is_begun()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["journal"]
     for path in (tmp_path / "none" / "journal", tmp_path):
         with pytest.raises(Failure, match="cannot be written: .*; --journal names another place"):
-            Journal(path, "one", 1000).probe()
+            Journal(path, "one", 1000).check_writable()
 
 
 def test_continuing_something_else_is_refused(tmp_path):
-    Journal(tmp_path / "journal", "one", 1000).save(3, 4)
+    Journal(tmp_path / "journal", "one", 1000).save_progress(3, 4)
     with pytest.raises(Failure, match="cannot continue: the drawing or its placement"):
-        Journal(tmp_path / "journal", "two", 1000).resume()
+        Journal(tmp_path / "journal", "two", 1000).resume_from_file()
     with pytest.raises(Failure, match="nothing to continue"):
-        Journal(tmp_path / "none", "two", 1000).resume()
+        Journal(tmp_path / "none", "two", 1000).resume_from_file()
     (tmp_path / "bad").write_text("{")
     with pytest.raises(Failure, match="cannot be read"):
-        Journal(tmp_path / "bad", "two", 1000).resume()
+        Journal(tmp_path / "bad", "two", 1000).resume_from_file()

@@ -6,7 +6,7 @@ import random
 import pytest
 from shapely import LinearRing, LineString, Point, Polygon
 
-from host_tools.programs.compensation import LEFT, RIGHT, Piece, offset
+from host_tools.programs.compensation import LEFT, RIGHT, Piece, offset_contour
 from host_tools.programs.listing import Listing
 from host_tools.programs.ngc.interpreter import compile_program
 from host_tools.programs.program_errors import ProgramError
@@ -218,7 +218,7 @@ def test_a_narrow_passage():
 
 def test_pieces():
     """The offset alone, with the numbers of the contour's pieces."""
-    path = offset([Piece(0, 10), Piece(10, 10 + 10j), Piece(10 + 10j, 20 + 10j)], LEFT, 2.0)
+    path = offset_contour([Piece(0, 10), Piece(10, 10 + 10j), Piece(10 + 10j, 20 + 10j)], LEFT, 2.0)
     assert [number for _, number in path] == [0, 1, 2, 2]
     ends = [piece.end for piece, _ in path]
     assert all(abs(a - b) < 1e-9 for a, b in zip(ends, (8 + 2j, 8 + 10j, 10 + 12j, 20 + 12j)))

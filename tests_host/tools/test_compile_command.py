@@ -111,7 +111,7 @@ def test_errors_on_the_screen(part, tmp_path):
 def test_detection(tmp_path, name, text, dialect):
     path = tmp_path / name
     path.write_text(text)
-    assert compiler.detect(path)[0] == dialect
+    assert compiler.detect_dialect(path)[0] == dialect
 
 
 @pytest.mark.parametrize("text", ["IN;SP1;PU100,100;PD200,200;", "IN;\nSP1;", "\n  PA;PU0,0", "\x1b.@;1:IN;", "pu10,10;", "DF;", "SP1;PD"])

@@ -295,7 +295,7 @@ STEPS = st.lists(st.lists(st.tuples(st.integers(0, 9000), st.integers(0, 9000)),
 @given(STEPS, st.sampled_from([BOARD, boards.load("plotter_esp32"), boards.load("corexy_plotter")]))
 def test_the_time_of_lines_is_that_of_their_objects(lines, board):
     times = estimate.Estimate(checked(board))
-    assert times.lines_s(lines) == pytest.approx(sum(sum(times.object_s(points)) for points in drawing._cut(lines, sys.maxsize)))
+    assert times.lines_s(lines) == pytest.approx(sum(sum(times.object_s(points)) for points in drawing._cut_objects(lines, sys.maxsize)))
 
 
 @given(st.lists(st.integers(2, 3500), min_size=1, max_size=6), st.integers(0, 99))
@@ -303,7 +303,7 @@ def test_thin_lines_keep_their_ends_and_their_course(counts, seed):
     """Pieces of a long line are thinned one by one: none gets lost, and none joins another line."""
     chance = numpy.random.default_rng(seed)
     lines = [numpy.cumsum(chance.normal(size=count) + 1j * chance.normal(size=count)) for count in counts]
-    for line, thin in zip(lines, drawing._simplify(lines, 0.5), strict=True):
+    for line, thin in zip(lines, drawing._simplify_lines(lines, 0.5), strict=True):
         assert thin[0] == line[0] and thin[-1] == line[-1]
         kept = numpy.flatnonzero(numpy.isin(line, thin))
         assert (line[kept] == thin).all() and set(range(0, len(line), drawing._PIECE)) <= set(kept.tolist()) | ({0} if len(line) < 3 else set())
@@ -321,7 +321,7 @@ def test_a_line_that_lies_on_itself_is_thinned_soon():
     """All its points at once took time by their square."""
     line = numpy.tile(100 * numpy.exp(2j * numpy.pi * numpy.arange(100) / 100), 5000)
     begun = time.process_time()
-    (thin,) = drawing._simplify([line], 0.01)
+    (thin,) = drawing._simplify_lines([line], 0.01)
     assert time.process_time() - begun < 3 and len(thin) > 400_000  # 0.2; at once 12
 
 
@@ -334,9 +334,9 @@ def test_the_digest_tells_drawings_and_places_apart(tmp_path):
 
 
 def test_the_contour_map_is_a_real_drawing(tmp_path):
-    contours.save(tmp_path / "map.svg")
+    contours.save_contours(tmp_path / "map.svg")
     plan = drawing.load(tmp_path / "map.svg", BOARD)
-    assert plan.points() >= 5000
+    assert plan.count_points() >= 5000
     assert plan.scale == 1
     assert size_of(plan.page_mm)[0] < 380 and size_of(plan.page_mm)[1] < 280
 

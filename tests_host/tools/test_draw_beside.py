@@ -167,7 +167,7 @@ def edges(black, scale=SCALE):
 
 def lines_of(path):
     page = SvgFile(path).outlines(0.02)
-    return svg_area.clip([line for lines in page.layers.values() for line in lines], svg_area.rectangle(0, 0, *SIDE)), page
+    return svg_area.clip_lines([line for lines in page.layers.values() for line in lines], svg_area.rectangle(0, 0, *SIDE)), page
 
 
 @pytest.mark.parametrize("seed", range(COUNT))

@@ -21,7 +21,7 @@ from test_dxf_beside import drawn_by_ezdxf
 from host_tools.drawings import sources, svg_area, svg_geometry, svg_style
 from host_tools.drawings.placement import MM_PER_PX, box_of
 from host_tools.drawings.svg_file import SvgFile
-from host_tools.drawings.svg_shapes import Shapes, length
+from host_tools.drawings.svg_shapes import Shapes, element_length
 from host_tools.failure import Failure
 
 pytestmark = pytest.mark.slow
@@ -61,18 +61,18 @@ def share_on_ink(lines, ink, scale):
 @contextmanager
 def stroke_widths():
     """A list that gets the width in px of each stroke that is read."""
-    found, shape = [], Shapes.shape
+    found, shape = [], Shapes.shape_inks
 
     def note(shapes, tag, element, context):
         if svg_style.is_painted(context.style, "stroke"):
-            found.append(length(context.style.get("stroke-width", "1"), None, context) * svg_geometry.stretch(context.matrix))
+            found.append(element_length(context.style.get("stroke-width", "1"), None, context) * svg_geometry.stretch_of(context.matrix))
         return shape(shapes, tag, element, context)
 
-    Shapes.shape = note
+    Shapes.shape_inks = note
     try:
         yield found
     finally:
-        Shapes.shape = shape
+        Shapes.shape_inks = shape
 
 
 def compare_ink(grey, scale, lines, width):
@@ -125,7 +125,7 @@ def svg_rows(paths, folder):
         for path, copy, grey in zip(group, copies, screenshots(folder, copies, side, min(COLUMNS, len(group)))):
             page, wide, text = pages[path], max(widths[path], default=0.0), path.read_text(errors="replace")
             width, height = page.size_px
-            lines = svg_area.clip([line for lines in page.layers.values() for line in lines], svg_area.rectangle(0, 0, width, height))
+            lines = svg_area.clip_lines([line for lines in page.layers.values() for line in lines], svg_area.rectangle(0, 0, width, height))
             grey = grey[: math.ceil(height * CHROMIUM_SCALE), : math.ceil(width * CHROMIUM_SCALE)]
             yield path, "chromium", *compare_ink(grey, CHROMIUM_SCALE, lines, wide), page, chromium_reason(text)
             yield path, "rsvg-convert", *compare_ink(rsvg_page(copy, folder), RSVG_SCALE, lines, wide), page, rsvg_reason(text)

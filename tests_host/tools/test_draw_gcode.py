@@ -284,7 +284,7 @@ def written(monkeypatch, capsys, path, *options):
 
 
 def test_a_board_file_decides_the_tool():
-    tools = {name: gcode.usual(boards.load(name)).tool for name in ("laser_xy", "router_3axis", "mill_2004", "plotter_2014")}
+    tools = {name: gcode.usual_cut(boards.load(name)).tool for name in ("laser_xy", "router_3axis", "mill_2004", "plotter_2014")}
     assert tools == {"laser_xy": "laser", "router_3axis": "z", "mill_2004": "z", "plotter_2014": "m3"}
     with pytest.raises(Failure):
         gcode.Cut("z").with_values("passes=two")

@@ -391,8 +391,8 @@ def hpgl_agreement(path, near=0.5, window=None):
     page = file.outlines(0.01)
     lines = [line for lines in page.layers.values() for line in lines]
     if window:
-        places = file._place(numpy.array([complex(*window[:2]), complex(*window[2:])]))
-        lines = svg_area.clip(lines, shapely.box(places[0].real, places[1].imag, places[1].real, places[0].imag))
+        places = file._place_line(numpy.array([complex(*window[:2]), complex(*window[2:])]))
+        lines = svg_area.clip_lines(lines, shapely.box(places[0].real, places[1].imag, places[1].real, places[0].imag))
     return agreement(samples(hp2xx_lines(path, box_of([lines]))), lines, near), page
 
 
@@ -617,7 +617,7 @@ def test_what_hpgl_has_and_no_pen_draws_is_named(tmp_path):
     ("7``", [(True, False, -0.0, -0.0)]), ("7AaAa", [(True, False, 33.0, 33.0)]),
 ])  # fmt: skip
 def test_hpgl_s_encoded_numbers(text, found):
-    assert hpgl_encoded.moves(text) == found
+    assert hpgl_encoded.decode_moves(text) == found
 
 
 PAGE = '<svg xmlns="http://www.w3.org/2000/svg" width="99mm" height="99mm" stroke="black">{}</svg>'

@@ -73,9 +73,9 @@ def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, d
     rows = engraving.rows_of(powers, options)
     if not rows:
         with pytest.raises(Failure, match="nothing burns"):
-            list(engraving.gcode(rows, options, machine))
+            list(engraving.gcode_lines(rows, options, machine))
         return
-    lines = list(engraving.gcode(rows, options, machine))
+    lines = list(engraving.gcode_lines(rows, options, machine))
     assert max(map(len, lines)) < (235 if machine.packed else 120) and all(line.count(":") < max(1, machine.cluster) for line in lines)
     found = np.zeros_like(powers)
     for before, x, y, power, rapid in moves(lines):
@@ -95,7 +95,7 @@ def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, d
 @settings(max_examples=30)
 @given(st.floats(0, 1), st.sampled_from((engraving._FLOYD, engraving._JARVIS)))
 def test_diffused_dots_are_as_dark_as_the_picture(darkness, way):
-    dots = engraving.diffuse(np.full((40, 60), darkness), *way)
+    dots = engraving.diffuse_dots(np.full((40, 60), darkness), *way)
     assert set(np.unique(dots)) <= {0.0, 1.0}
     assert abs(dots.mean() - darkness) < 0.04
 
@@ -105,18 +105,18 @@ def test_diffused_dots_are_as_dark_as_the_picture(darkness, way):
 def test_dots_by_c_are_those_of_python(way, monkeypatch):
     """And a million of them take less than a second there: in Python seven."""
     dark = np.random.default_rng(2).random((40, 70)) * np.linspace(0, 1, 70)
-    plain = engraving.diffuse(dark, *way)
+    plain = engraving.diffuse_dots(dark, *way)
     monkeypatch.setenv(pc_kernels.CHOICE, "c")
-    assert np.array_equal(engraving.diffuse(dark, *way), plain)
+    assert np.array_equal(engraving.diffuse_dots(dark, *way), plain)
     begun = time.process_time()
-    dots = engraving.diffuse(np.full((1000, 1000), 0.3), *way)
+    dots = engraving.diffuse_dots(np.full((1000, 1000), 0.3), *way)
     assert time.process_time() - begun < 3 and abs(dots.mean() - 0.3) < 0.001
 
 
 def test_the_head_has_its_speed_at_the_first_dot():
-    over = engraving.overscan(Options(speed=9000), LASER)
+    over = engraving.overscan_length(Options(speed=9000), LASER)
     assert over >= 150**2 / (2 * 1500)
-    first = next(moves(engraving.gcode(engraving.rows_of(np.ones((1, 20)), Options(speed=9000)), Options(speed=9000), LASER)))
+    first = next(moves(engraving.gcode_lines(engraving.rows_of(np.ones((1, 20)), Options(speed=9000)), Options(speed=9000), LASER)))
     assert first[1] == pytest.approx(-over, abs=0.001)
 
 
@@ -192,7 +192,7 @@ def test_what_is_burnt_is_the_picture(overscan, machine):
     too, if there is no way beside the dots to gain speed on."""
     powers = np.array([[0.1, 0.2, 0.5, 0, 0, 1, 0.4, 0.4, 0, 0.1], [0.3, 0, 0.9, 0.1, 0.1, 0, 0, 0.7, 1, 1]] * 3)
     options = Options(dots_mm=10, speed=3000, power=1.0, overscan_mm=overscan)
-    port = burn(engraving.gcode(engraving.rows_of(powers, options), options, machine), 48, 80)
+    port = burn(engraving.gcode_lines(engraving.rows_of(powers, options), options, machine), 48, 80)
     rows = np.array([round(8 * (n + 0.5)) for n in range(6)])
     assert port.outside <= 1e-4 * port.plate.sum()  # 5 µs before the first step, in which DIR settles
     assert np.count_nonzero(port.plate.any(axis=1)) == 6
@@ -210,7 +210,7 @@ def test_a_photograph_is_burnt_dot_for_dot(shade):
     options = Options(width_mm=4, dots_mm=10, shade=shade, power=1.0)
     powers = engraving.powers_of(engraving.open_picture(cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)), options)
     height, width = powers.shape
-    port = burn(engraving.gcode(engraving.rows_of(powers, options), options, PACKED), 8 * height, 8 * width)
+    port = burn(engraving.gcode_lines(engraving.rows_of(powers, options), options, PACKED), 8 * height, 8 * width)
     steps = port.plate[[round(8 * (n + 0.5)) for n in range(height)]]
     assert np.array_equal(steps > 0, np.repeat(powers > 0, 8, axis=1)) and np.isclose(steps.sum(), port.plate.sum())  # to a step
     dots = steps.reshape(height, width, 8).sum(axis=2)
@@ -233,7 +233,7 @@ def test_a_picture_is_written_shown_and_taken_by_the_machine(tmp_path):
 def test_the_card_comes_back_as_a_curve(tmp_path):
     """A wood that burns by the square of the power: after the curve, grey is grey."""
     options = Options(power=0.5)
-    picture = engraving.card(options)
+    picture = engraving.draw_card(options)
     burnt = Image.fromarray((255 - 200 * (1 - np.asarray(picture, np.float64) / 255) ** 2).astype(np.uint8))
     burnt.save(tmp_path / "card.png")
     curve = engraving.read_curve(tmp_path / "card.png")

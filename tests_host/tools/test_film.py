@@ -35,7 +35,7 @@ SQUARE = [(100, 0, 0, 1000), (100, 100, 1000, 1000), (0, 100, 1000, 1000), (0, 0
 
 def count_of(picture, color):
     pixels = np.asarray(picture.convert("RGB")).astype(int)
-    return int((np.abs(pixels - film._rgb(color)).max(axis=2) < 24).sum())
+    return int((np.abs(pixels - film._rgb_of(color)).max(axis=2) < 24).sum())
 
 
 def test_a_film_grows_with_the_machine(tmp_path):
@@ -64,10 +64,10 @@ def test_a_film_as_mp4(tmp_path):
 
 
 def test_speed_and_place_stand_in_the_film(tmp_path):
-    moves = film.load(trace_of(tmp_path / "line.csv", [(4000, 0, 1000, 500)]))
+    moves = film.load_moves(trace_of(tmp_path / "line.csv", [(4000, 0, 1000, 500)]))
     painter = film.Painter(moves, (10, 10))
     number = int(np.searchsorted(moves.seconds, 1.0))
-    assert painter._text(1.0, number).endswith("12000 mm/min") and "X 199.9" in painter._text(0.9995, number - 1)
+    assert painter._caption_text(1.0, number).endswith("12000 mm/min") and "X 199.9" in painter._caption_text(0.9995, number - 1)
 
 
 @pytest.mark.parametrize("text, why", [

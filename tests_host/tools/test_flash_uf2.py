@@ -12,7 +12,7 @@ from host_tools import boards
 from host_tools.build.frozen import CHIPS, MARK, stamp
 from host_tools.build.uf2 import mend_frozen_code, label_of, uf2_of
 from host_tools.cli import flash_uf2
-from host_tools.emulator.filesystem import location
+from host_tools.emulator.filesystem import location_of
 from host_tools.failure import Failure
 from host_tools.uf2_format import BLOCK_BYTES, FAMILIES, FLASH, PAGE, blocks_of, is_whole
 from passo.config.boardfile import check
@@ -182,7 +182,7 @@ def test_without_a_drive_it_says_what_to_do(folder, with_uf2, new_uf2, monkeypat
 
 
 def test_files_stay_where_the_file_system_stays(tmp_path, new_uf2):
-    stays = flash_uf2.Has("rp2040", "", "", location(new_uf2)[0], ["settings.0"])
+    stays = flash_uf2.Has("rp2040", "", "", location_of(new_uf2)[0], ["settings.0"])
     assert flash_uf2.save_files("nowhere", new_uf2, stays) is None
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from host_tools import boards
 from host_tools.programs import gcode_file
-from host_tools.programs.gcode_time import Limits, Remaining, estimate
+from host_tools.programs.gcode_time import Limits, Remaining, estimate_seconds
 from host_tools.sim.job import VirtualJob
 
 SETTINGS = ["$110=5000.000", "$111=5000.000", "$112=1500.000", "$120=250.000", "$121=250.000", "$122=150.000"]
@@ -32,11 +32,11 @@ def test_the_settings_are_the_boards():
     ("G92X0\nG1F600", 0.0), ("$H\n(nothing)\nM3S1000", 0.0), ("G17G2X0Y0Z-2I5P3F600", 6 * math.pi / 2 + 0.04),
 ])  # fmt: skip
 def test_lines(text, seconds):
-    assert sum(estimate(numbered(text), ROUTER)) == pytest.approx(seconds, rel=0.05, abs=0.01)
+    assert sum(estimate_seconds(numbered(text), ROUTER)) == pytest.approx(seconds, rel=0.05, abs=0.01)
 
 
 def test_corners_stop_and_straight_goes_on():
-    straight, corner = (sum(estimate(numbered("F5000\nG1X50\n" + line), ROUTER)) for line in ("X100", "X50Y50"))
+    straight, corner = (sum(estimate_seconds(numbered("F5000\nG1X50\n" + line), ROUTER)) for line in ("X100", "X50Y50"))
     assert corner - straight == pytest.approx(5000 / 60 / 250, rel=0.05)
 
 
@@ -51,7 +51,7 @@ PROGRAMS = {
 def test_as_the_firmware_takes_it(name):
     job = VirtualJob("router_3axis")
     job.run(numbered(PROGRAMS[name]))
-    assert sum(estimate(numbered(PROGRAMS[name]), ROUTER)) == pytest.approx(job.seconds, rel=0.15)
+    assert sum(estimate_seconds(numbered(PROGRAMS[name]), ROUTER)) == pytest.approx(job.seconds, rel=0.15)
 
 
 def test_real_programs(corpus, show):
@@ -61,7 +61,7 @@ def test_real_programs(corpus, show):
             lines = gcode_file.read(path)
             job = VirtualJob("router_3axis")
             job.run(lines)
-            rows.append((path.name, job.seconds, sum(estimate(lines, ROUTER))))
+            rows.append((path.name, job.seconds, sum(estimate_seconds(lines, ROUTER))))
     assert rows and all(thought == pytest.approx(took, rel=0.2) for _, took, thought in rows), rows
     show("time of real programs", "\n".join(f"{name}: {took:.1f} s, thought {thought:.1f} s" for name, took, thought in rows))
 
@@ -81,11 +81,11 @@ def test_what_is_left_is_right_from_the_start_and_exact_at_the_end(seconds, pace
     remaining = Remaining(seconds)
     shares = []
     for index, gone, left in clock_of(seconds, pace):
-        said = remaining.at(index, gone)
+        said = remaining.seconds_left(index, gone)
         whole = sum(seconds) * pace
         assert abs(said - left) <= abs(1 - 1 / pace) * whole * 1.01 + 1e-6
         shares.append(remaining.share)
-    assert shares == sorted(shares) and remaining.at(len(seconds), whole) == 0 and remaining.share == 1
+    assert shares == sorted(shares) and remaining.seconds_left(len(seconds), whole) == 0 and remaining.share == 1
 
 
 @given(st.lists(st.floats(0.01, 100), min_size=1, max_size=60))
@@ -93,17 +93,17 @@ def test_one_long_line_does_not_fool_it(seconds):
     """If the estimate was right, the time left is right, too, at any moment of any line."""
     remaining = Remaining(seconds)
     for index, gone, left in clock_of(seconds, 1.0):
-        assert remaining.at(index, gone) == pytest.approx(left, abs=1e-3 + 1e-6 * sum(seconds))
+        assert remaining.seconds_left(index, gone) == pytest.approx(left, abs=1e-3 + 1e-6 * sum(seconds))
 
 
 def test_no_motion_counts_lines():
     remaining = Remaining([0.0, 0.0])
-    assert (remaining.at(1, 5.0), remaining.share) == (0.0, 0.5)
+    assert (remaining.seconds_left(1, 5.0), remaining.share) == (0.0, 0.5)
 
 
 @given(st.text(alphabet="GXYZIJRPFMNS0123456789.-+ ", max_size=40))
 def test_any_line_is_read(text):
-    assert all(taken >= 0 and math.isfinite(taken) for taken in estimate(numbered("F600\nG1X1\n" + text), ROUTER))
+    assert all(taken >= 0 and math.isfinite(taken) for taken in estimate_seconds(numbered("F600\nG1X1\n" + text), ROUTER))
 
 
 @given(st.lists(st.tuples(st.sampled_from(["", "", "G0", "G1", "G91", "G20", "G93", "G2", "F300", "Y5"]), st.integers(-50, 50), st.sampled_from(["", "S", "S12.5"])), max_size=40))
@@ -111,4 +111,4 @@ def test_a_line_of_x_alone_is_read_as_any_other(lines):
     """Dots of a picture have a way of their own; a blank takes a line from it."""
     texts = [f"{code}X{x / 4:g}{power}" if code in ("", "G0", "G1") else code for code, x, power in lines]
     quick, other = ("F600\nG1X1\n" + "\n".join(each) for each in (texts, [text.replace("X", " X") for text in texts]))
-    assert estimate(numbered(quick), ROUTER) == estimate(numbered(other), ROUTER)
+    assert estimate_seconds(numbered(quick), ROUTER) == estimate_seconds(numbered(other), ROUTER)

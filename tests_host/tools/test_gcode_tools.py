@@ -44,7 +44,7 @@ def job(tmp_path):
 def test_lines_of_a_file(job):
     lines = gcode_file.read(job)
     assert lines[0] == (2, b"G21G90") and lines[1] == (3, b"G1X20Y0F6000") and lines[-1] == (9, b"M30")
-    assert gcode_file.clock(59.6) == "1:00" and gcode_file.clock(3661) == "1:01:01"
+    assert gcode_file.clock_text(59.6) == "1:00" and gcode_file.clock_text(3661) == "1:01:01"
     with pytest.raises(Failure, match="cannot read"):
         gcode_file.read(job.with_name("none"))
     job.write_bytes(b"; nothing\n")

@@ -7,7 +7,7 @@ import pytest
 
 from host_tools.page.set_up import PROBING
 from host_tools.programs import surfacing
-from host_tools.programs.height_map import Grid, Unfollowed, level
+from host_tools.programs.height_map import Grid, Unfollowed, level_job
 
 SLOPE = (0.01, -0.02, 0.3)
 FACE = {"x": 100, "y": 80, "tool": 20, "overlap": 40, "depth": 1.2, "cut": 0.5, "feed": 1500, "plunge": 300, "rpm": 12000, "safe": 5}
@@ -19,7 +19,7 @@ def plane(x, y):
 
 def grid_of(height, size=(0, 0, 100, 80, 5, 4)):
     grid = Grid(*size)
-    grid.heights = [height(x, y) for x, y in grid.points()]
+    grid.heights = [height(x, y) for x, y in grid.probe_points()]
     return grid
 
 
@@ -35,13 +35,13 @@ def moves(text):
 
 
 def test_lines_follow_a_plane_exactly_and_end_where_they_ended():
-    text = level("G21 G90\nG0 X5 Y5 Z5\nG1 Z-1 F300\nG1 X95 Y70\nX10\nG0 Z5\nM2\n", grid_of(plane))
+    text = level_job("G21 G90\nG0 X5 Y5 Z5\nG1 Z-1 F300\nG1 X95 Y70\nX10\nG0 Z5\nM2\n", grid_of(plane))
     placed = [(each["X"], each["Y"], each["Z"]) for _, each in moves(text)]
     cut = [(x, y, z) for x, y, z in placed if z < 3]
     assert len(cut) > 30 and all(abs(z - (plane(x, y) - 1)) < 0.0011 for x, y, z in cut)
     assert (95, 70) in [(x, y) for x, y, _ in cut] and (10, 70) in [(x, y) for x, y, _ in cut]
     longest = max(math.dist(a[:2], b[:2]) for a, b in zip(cut, cut[1:]))
-    assert longest <= grid_of(plane).piece() + 0.001
+    assert longest <= grid_of(plane).longest_piece() + 0.001
     assert "F300" in text and text.rstrip().endswith("M2")
 
 
@@ -50,7 +50,7 @@ def test_lines_follow_a_plane_exactly_and_end_where_they_ended():
     ("G2 X40 Y40 R-20", (20, 40), 20, 0.75),
 ])  # fmt: skip
 def test_arcs_stay_arcs(arc, centre, radius, turn):
-    text = level("G90 G21 G0 X20 Y20 Z2\nG1 Z0 F100\n" + arc + "\n", grid_of(plane))
+    text = level_job("G90 G21 G0 X20 Y20 Z2\nG1 Z0 F100\n" + arc + "\n", grid_of(plane))
     points = [(each["X"], each["Y"], each["Z"]) for _, each in moves(text)][1:]
     way = points[1:] if turn == 1 else points
     assert all(abs(math.dist(point[:2], centre) - radius) < 0.0015 and abs(point[2] - plane(*point[:2])) < 0.0011 for point in way)
@@ -61,15 +61,15 @@ def test_arcs_stay_arcs(arc, centre, radius, turn):
 def test_a_bump_is_followed_between_its_points():
     chance = random.Random(3)
     grid = grid_of(lambda x, y: chance.uniform(-1, 1))
-    for (x, y), z in zip(grid.points(), grid.heights):
-        assert abs(grid.height(x, y) - z) < 1e-9
-    assert grid.height(-50, -50) == grid.height(0, 0), "beyond the edge it is that of the edge"
-    middle = grid.height(grid.dx / 2, 0)
-    assert abs(middle - (grid.height(0, 0) + grid.height(grid.dx, 0)) / 2) < 1e-9
+    for (x, y), z in zip(grid.probe_points(), grid.heights):
+        assert abs(grid.height_at(x, y) - z) < 1e-9
+    assert grid.height_at(-50, -50) == grid.height_at(0, 0), "beyond the edge it is that of the edge"
+    middle = grid.height_at(grid.dx / 2, 0)
+    assert abs(middle - (grid.height_at(0, 0) + grid.height_at(grid.dx, 0)) / 2) < 1e-9
 
 
 def test_inches_become_millimetres():
-    text = level("G20 G90\nG0 X1 Y1 Z1\nG1 Z-0.1 F10\n", grid_of(lambda x, y: 0.0))
+    text = level_job("G20 G90\nG0 X1 Y1 Z1\nG1 Z-0.1 F10\n", grid_of(lambda x, y: 0.0))
     assert moves(text)[-1][1]["Z"] == -2.54 and "F254" in text and "G20" not in text
 
 
@@ -79,12 +79,12 @@ def test_inches_become_millimetres():
 ])  # fmt: skip
 def test_what_cannot_be_followed_names_its_line(line, why):
     with pytest.raises(Unfollowed) as error:
-        level("G21 G90 (a note; G91)\nG0 X1 Y1 Z1\nG1 X2 F100\n" + line + "\n", grid_of(plane))
+        level_job("G21 G90 (a note; G91)\nG0 X1 Y1 Z1\nG1 X2 F100\n" + line + "\n", grid_of(plane))
     assert error.value.args == (4 + line.count("\n"), why)
 
 
 def test_facing_covers_the_work_and_goes_down_beside_it():
-    lines = surfacing.surface(FACE)
+    lines = surfacing.surface_lines(FACE)
     text = "\n".join(lines)
     x = y = z = None
     cuts, depths = [], set()
@@ -99,7 +99,7 @@ def test_facing_covers_the_work_and_goes_down_beside_it():
     assert depths == {-0.4, -0.8, -1.2}
     rows = sorted({a[1] for a, b in cuts if a[1] == b[1]})
     assert rows[0] == 0 and rows[-1] == 80 and max(b - a for a, b in zip(rows, rows[1:])) <= 12.0001
-    assert surfacing.surface({**FACE, "tool": 0.1, "depth": 100, "cut": 0.01}) is None
+    assert surfacing.surface_lines({**FACE, "tool": 0.1, "depth": 100, "cut": 0.01}) is None
 
 
 @pytest.mark.unmeasured

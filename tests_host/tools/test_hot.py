@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from host_tools.bench.hot import hottest, sections
+from host_tools.bench.hot import hottest_names, sections_of
 from host_tools.build.frozen import CHIPS, MEMORY, modules_frozen
 from host_tools.build.tree import source_of
 from host_tools.build.uf2 import hot_sections, arrange_linker_script
@@ -23,7 +23,7 @@ MAP = """
 
 
 def test_sections_of_a_map():
-    assert sections(MAP) == [
+    assert sections_of(MAP) == [
         (0x10000100, 8, ".text.short"),
         (0x10000108, 0x20, ".text.a_function_with_a_long_name"),
         (0x10000130, 0x10, ".rodata.table"),
@@ -35,9 +35,9 @@ def test_the_dearest_byte_comes_first():
     counts = [0] * 0x100
     counts[0x100 // 8], counts[0x108 // 8], counts[0x130 // 8] = 8, 16, 0
     counts[0x128 // 8] = 99  # between two
-    assert hottest(counts, sections(MAP)) == [".text.short", ".text.a_function_with_a_long_name"]
+    assert hottest_names(counts, sections_of(MAP)) == [".text.short", ".text.a_function_with_a_long_name"]
     counts[0x138 // 8] = 10_000
-    assert hottest(counts, sections(MAP))[0] == ".rodata.table"
+    assert hottest_names(counts, sections_of(MAP))[0] == ".rodata.table"
 
 
 @pytest.mark.quick

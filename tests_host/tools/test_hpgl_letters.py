@@ -21,9 +21,9 @@ def drawn(folder, words):
 @pytest.mark.parametrize("number", SETS)
 def test_the_letters_of_each_country(number):
     sets = SymbolSets()
-    assert sets.choose("CS", [number]) and sets.letters("#$@[\\]^`{|}~ abc") == SETS[number] + " abc"
-    sets.choose("IN", [])
-    assert sets.letters("#[") == "#["
+    assert sets.choose_set("CS", [number]) and sets.decode_letters("#$@[\\]^`{|}~ abc") == SETS[number] + " abc"
+    sets.choose_set("IN", [])
+    assert sets.decode_letters("#[") == "#["
 
 
 def test_german_letters_are_drawn_by_cs_by_sd_and_by_shifts(tmp_path):
@@ -45,7 +45,7 @@ def test_letters_with_accents_are_drawn(tmp_path, letters):
 
 @pytest.mark.parametrize("base, letter", [("a", "á"), ("A", "Ã"), ("o", "ô"), ("e", "è"), ("u", "ü"), ("O", "Ó")])
 def test_an_accent_stands_above_its_letter(base, letter):
-    plain, accented = stroke_font.letter(base), stroke_font.letter(letter)
+    plain, accented = stroke_font.letter_strokes(base), stroke_font.letter_strokes(letter)
     top = max(stroke.imag.max() for stroke in plain)
     assert all((a == b).all() for a, b in zip(plain, accented)) and len(accented) > len(plain)
     more = numpy.concatenate(accented[len(plain) :])
@@ -53,8 +53,8 @@ def test_an_accent_stands_above_its_letter(base, letter):
 
 
 def test_a_cedilla_hangs_below_and_an_i_loses_its_dot():
-    assert min(stroke.imag.min() for stroke in stroke_font.letter("ç")) < -0.15 and max(stroke.imag.max() for stroke in stroke_font.letter("ç")) < 0.7
-    assert len(stroke_font.letter("í")) == len(stroke_font.letter("i"))
+    assert min(stroke.imag.min() for stroke in stroke_font.letter_strokes("ç")) < -0.15 and max(stroke.imag.max() for stroke in stroke_font.letter_strokes("ç")) < 0.7
+    assert len(stroke_font.letter_strokes("í")) == len(stroke_font.letter_strokes("i"))
 
 
 @pytest.mark.parametrize("words, gap, down", [("", 300, 640), ("ES0.5;", 450, 640), ("ES0.5,1;", 450, 1280), ("ES-0.2,0.25;", 240, 800), ("ES1;ES;", 300, 640)])

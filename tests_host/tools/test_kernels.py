@@ -28,7 +28,7 @@ from passo.config.boardfile import check
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 EXPRESSIONS = expressions()
-MARCHES = [march for march in module.ARCHITECTURE if module.compiler(march)]
+MARCHES = [march for march in module.ARCHITECTURE if module.find_compiler(march)]
 numbers = st.one_of(st.sampled_from(EDGES), st.integers(-(1 << 31), (1 << 31) - 1))
 
 TEXT = '''
@@ -243,17 +243,17 @@ def test_what_interrupts_share_is_read_and_written_each_time():
 @pytest.mark.parametrize("march", MARCHES)
 def test_a_module_needs_no_data_and_no_address(march):
     unit = unit_of(TEXT)
-    made = module.module(unit.text(RUNTIME), unit.names, march)
+    made = module.make_module(unit.text(RUNTIME), unit.names, march)
     functions, end, *_ = mpy.functions_of(made.data)
     assert len(functions) == 1 and end == len(made.data) and functions[0].kind == mpy.VIPER
-    assert not module.pointers(module.code_of(made.data, unit.names, march), march)
-    assert module.module(unit.text(RUNTIME), unit.names, march) == made
+    assert not module.pointer_positions(module.code_of(made.data, unit.names, march), march)
+    assert module.make_module(unit.text(RUNTIME), unit.names, march) == made
     with pytest.raises(Failure, match="undefined"):
         text = RUNTIME + "int f(int);\nvoid define_all(context_t at, object_t o, intptr_t away) { f(1); }"
-        module.compile_c(text, module.compiler(march)[1] + ["-Os"])
+        module.compile_c(text, module.find_compiler(march)[1] + ["-Os"])
     writes = "static int kept;\nstatic void define_all(context_t at, object_t o, intptr_t away) { kept++; if (kept > 3) wrong_count(at, 1, kept); }"
     with pytest.raises(Failure, match="data|address"):
-        module.compile_c(RUNTIME + writes, module.compiler(march)[1] + ["-O1"])
+        module.compile_c(RUNTIME + writes, module.find_compiler(march)[1] + ["-O1"])
 
 
 def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
@@ -310,7 +310,7 @@ def unknown(text):
 
 def test_what_stays_with_viper_keeps_what_it_calls(monkeypatch):
     """A kernel that another module's compiled code has a copy of, too."""
-    monkeypatch.setattr(build, "module", lambda *_: module.Made(b"", "a compiler", 0))
+    monkeypatch.setattr(build, "make_module", lambda *_: module.Made(b"", "a compiler", 0))
     texts = {"passo/called.py": CALLED, "passo/calling.py": CALLING, "passo/using.py": USING}
     made = compile_kernels(texts, texts, {"axes": []}, "armv6m", ["passo/called.py"]).texts
     assert "def called(" in made["passo/called.py"] and "def deep(" in made["passo/called.py"] and "def gone(" not in made["passo/called.py"]
@@ -319,7 +319,7 @@ def test_what_stays_with_viper_keeps_what_it_calls(monkeypatch):
 
 @pytest.mark.parametrize("chip", ["rp2040_w", "esp32"])
 def test_what_is_frozen_reads_no_name_that_is_gone(chip, monkeypatch):
-    monkeypatch.setattr(build, "module", lambda *_: module.Made(b"", "a compiler", 0))
+    monkeypatch.setattr(build, "make_module", lambda *_: module.Made(b"", "a compiler", 0))
     texts, _ = frozen.texts_of(chip)
     assert {path: names for path, text in texts.items() if (names := unknown(text))} == {}
 
@@ -349,7 +349,7 @@ def test_what_a_release_ships_is_taken_where_there_is_no_compiler(tmp_path, monk
     shipped = ship.ship_modules(["two_motor_kit"], tmp_path, ("rp2040",))
     assert here.by == sorted(set(shipped.values())) and {path.name for path in tmp_path.glob("*.mpy")} == shipped.keys()
     assert sorted(here.modules.values()) == sorted(path.read_bytes() for path in tmp_path.glob("*.mpy"))
-    monkeypatch.setattr(module, "compiler", lambda march: None)
+    monkeypatch.setattr(module, "find_compiler", lambda march: None)
     assert made() == (program.texts, {}, [], 0)
     monkeypatch.setattr(module, "SHIPPED", tmp_path)
     assert made() == here._replace(by=["what came with Passo"])
@@ -367,13 +367,13 @@ def test_a_release_has_the_kernels_of_a_board_with_a_network(chip):
 @pytest.mark.parametrize("by", ["gcc", "zig"])
 def test_no_word_of_a_router_looks_like_a_pointer(by, monkeypatch):
     monkeypatch.setenv("PASSO_KERNELS", by)
-    if module.compiler("armv6m") is None:
+    if module.find_compiler("armv6m") is None:
         pytest.skip(f"no {by} for kernels")
     program, groups = tree.kernels_of("router_3axis")
     assert groups
     for _, kernels in groups:
         unit = Unit(program, kernels)
-        assert module.module(unit.text(RUNTIME), unit.names, "armv6m").pointers == 0
+        assert module.make_module(unit.text(RUNTIME), unit.names, "armv6m").pointers == 0
 
 
 def masks(code):
@@ -396,7 +396,7 @@ def test_no_kernel_of_a_router_masks_interrupts(march):
     program, groups = tree.kernels_of("router_3axis")
     for name, kernels in groups:
         unit = Unit(program, kernels)
-        made = module.module(unit.text(RUNTIME), unit.names, march)
+        made = module.make_module(unit.text(RUNTIME), unit.names, march)
         assert masks(module.code_of(made.data, unit.names, march)) == [], name
 
 
@@ -405,7 +405,7 @@ def test_that_one_who_masks_them_is_seen(instruction):
     text = RUNTIME + f'static void define_all(context_t at, object_t o, intptr_t away) {{ __asm volatile("{instruction}" ::: "r0"); }}'
     for march in MARCHES:
         if march.startswith("armv"):
-            assert masks(module.compile_c(text, module.compiler(march)[1] + ["-O1"]))
+            assert masks(module.compile_c(text, module.find_compiler(march)[1] + ["-O1"]))
 
 
 @pytest.mark.parametrize("board", [pytest.param("router_3axis", marks=pytest.mark.slow), "router_esp32"])
@@ -416,9 +416,9 @@ def test_viper_compiles_all_kernels(board, monkeypatch, tmp_path):
 
 def test_the_build_says_how_many_words_look_like_pointers(monkeypatch, tmp_path):
     word = (0x20001230).to_bytes(4, "little")
-    assert module.pointers(b"1234" + word + word + b"4321", "armv6m") == [4, 8]
-    assert module.pointers(b"12" + word + b"43", "armv6m") == []
-    assert module.pointers((0x20001234).to_bytes(4, "little"), "armv6m") == []
+    assert module.pointer_positions(b"1234" + word + word + b"4321", "armv6m") == [4, 8]
+    assert module.pointer_positions(b"12" + word + b"43", "armv6m") == []
+    assert module.pointer_positions((0x20001234).to_bytes(4, "little"), "armv6m") == []
     made = compile_kernels({}, {}, {"axes": []}, "armv6m")._replace(by=["gcc 1"], pointers=3)
     monkeypatch.delenv("PASSO_BUILDS", raising=False)  # the modules made here are no build
     monkeypatch.setattr(tree.kernels, "compile_kernels", lambda numbered, texts, *more: made._replace(texts=texts))

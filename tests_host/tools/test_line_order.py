@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from host_tools.drawings import line_order
-from host_tools.drawings.line_order import join, travel
+from host_tools.drawings.line_order import join, travel_length
 
 TOLERANCE = 0.05
 coordinates = st.one_of(st.integers(-20, 20).map(lambda value: value / 4), st.floats(-300, 300))
@@ -82,9 +82,9 @@ def test_lines_that_meet_no_other_stay_as_they_are(monkeypatch):
     lines[77:79] = [numpy.array([-5 + 0j, -4 + 1j]), numpy.array([-3 + 0j, -4.01 + 1j])]
     lines += [numpy.array([2000j, 2000j + numpy.exp(1j * math.tau * turn / 40)]) for turn in range(40)]  # more of them at one place than are compared
     looked_at = []
-    trails = line_order._trails
-    monkeypatch.setattr(line_order, "_trails", lambda some, radius: looked_at.append(len(some)) or trails(some, radius))
+    trails = line_order._find_trails
+    monkeypatch.setattr(line_order, "_find_trails", lambda some, radius: looked_at.append(len(some)) or trails(some, radius))
     found = join(lines, TOLERANCE)
     assert looked_at[0] < 60
     assert len(found) == 5000 - 1 + 20 and sum(map(len, found)) == sum(map(len, lines))
-    assert travel([numpy.array([0j, 3j]), numpy.array([3 + 3j, 0j])], 4 + 0j) == 4 + 3
+    assert travel_length([numpy.array([0j, 3j]), numpy.array([3 + 3j, 0j])], 4 + 0j) == 4 + 3

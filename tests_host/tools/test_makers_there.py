@@ -133,7 +133,7 @@ def test_freecads_programs_run_without_a_refused_line(tmp_path):
         path = tmp_path / f"{post}.nc"
         assert path.is_file(), done.stderr.decode("utf-8", "replace")[-2000:]
         job = VirtualJob("router_3axis")
-        job.run(gcode_file.lines(path))
+        job.run(gcode_file.file_lines(path))
         assert job.errors == []
         found[post] = [*job.low, *job.high]
     assert any("K0.000" in line for line in (tmp_path / "grbl.nc").read_text().splitlines())

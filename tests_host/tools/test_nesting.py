@@ -26,7 +26,7 @@ SHAPES = st.lists(st.tuples(ANGLES, st.floats(5, 40)), min_size=3, max_size=8).m
 def test_nested_shapes_keep_their_distance_and_the_sheet(shapes, gap, turn, order):
     width, height = 200.0, 150.0
     try:
-        spots = nesting.nest(shapes, width, height, gap, turn, order)
+        spots = nesting.nest_shapes(shapes, width, height, gap, turn, order)
     except Failure:
         assume(False)
     placed = [affinity.translate(nesting.turn_shape(shape, quarters), x, y) for shape, (x, y, quarters) in zip(shapes, spots)]
@@ -41,25 +41,25 @@ def test_shapes_lie_in_each_other_s_bays():
     """Ten corners of angle iron: the shapes lie in each other, and the boxes need half as much again."""
     corner = shapely.Polygon([(0, 0), (60, 0), (60, 15), (15, 15), (15, 60), (0, 60)])
     shapes = [corner] * 10
-    used, full = nesting.fullness(shapes, nesting.nest(shapes, 260, 1000, 1.0), 260)
+    used, full = nesting.fullness(shapes, nesting.nest_shapes(shapes, 260, 1000, 1.0), 260)
     boxes = [shapely.box(0, 0, 60, 60)] * 10
-    used_by_boxes, _ = nesting.fullness(boxes, nesting.nest(boxes, 260, 1000, 1.0), 260)
+    used_by_boxes, _ = nesting.fullness(boxes, nesting.nest_shapes(boxes, 260, 1000, 1.0), 260)
     assert used < 0.7 * used_by_boxes and full > 0.45
 
 
 def test_a_wide_sheet_is_filled_in_a_low_strip():
     """Ten of them where six boxes have room side by side: each as low as it goes fills no bay, and takes the height of two boxes."""
     corner = shapely.Polygon([(0, 0), (60, 0), (60, 15), (15, 15), (15, 60), (0, 60)])
-    spots = nesting.nest([corner] * 10, 380, 380, 3.0)
+    spots = nesting.nest_shapes([corner] * 10, 380, 380, 3.0)
     used, _ = nesting.fullness([corner] * 10, spots, 380)
     assert used < 105
 
 
 def test_each_number_is_an_order_of_its_own_and_always_the_same():
     shapes = [shapely.box(0, 0, 20 + 7 * number, 50 - 3 * number) for number in range(9)]
-    found = [nesting.nest(shapes, 220, 220, 1.0, order=order) for order in range(8)]
+    found = [nesting.nest_shapes(shapes, 220, 220, 1.0, order=order) for order in range(8)]
     assert len({str(spots) for spots in found}) > 4
-    assert found[:2] == [nesting.nest(shapes, 220, 220, 1.0, order=order) for order in range(2)]
+    assert found[:2] == [nesting.nest_shapes(shapes, 220, 220, 1.0, order=order) for order in range(2)]
     # As it was when this was written: a number that somebody has kept goes on to mean the same.
     assert [spot[:2] for spot in found[3]] == [(0.0, 68.0), (164.0, 0.0), (164.0, 29.0), (121.0, 0.0), (71.0, 0.0), (78.0, 43.0), (135.0, 65.0), (0.0, 0.0), (0.0, 40.0)]
 
@@ -115,7 +115,7 @@ def test_nestings_on_a_cluster_are_those_of_this_pc(tmp_path):
 
 def test_no_room_is_told():
     with pytest.raises(Failure, match="no room on the sheet of 50 × 50 mm for all 2 drawings with 2 mm"):
-        nesting.nest([shapely.box(0, 0, 40, 40)] * 2, 50, 50, 2)
+        nesting.nest_shapes([shapely.box(0, 0, 40, 40)] * 2, 50, 50, 2)
 
 
 @settings(max_examples=25, deadline=None)

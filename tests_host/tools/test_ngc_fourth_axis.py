@@ -146,9 +146,9 @@ def test_the_machine_says_whether_a_is_linear(tmp_path, monkeypatch, capsys):
     file.write_text("g20 g90 f60\n#1=2\ng0 x0 y0 z0 a0\ng1 a#1\nm2\n")
     program = compiler.read(file)
     assert "G1 A2 F60" in program.listing.codes
-    assert compiler.fit(program, ["[VER:1.1h.20190830:]", "[AXS:4:XYZA]", "[ROTARY:A]"]) is program
-    assert compiler.fit(program, ["[VER:1.1h.20190830:]"]) is program
-    assert "G1 A50.8 F1524" in compiler.fit(program, ["[AXS:4:XYZA]"]).listing.codes
+    assert compiler.fit_to_machine(program, ["[VER:1.1h.20190830:]", "[AXS:4:XYZA]", "[ROTARY:A]"]) is program
+    assert compiler.fit_to_machine(program, ["[VER:1.1h.20190830:]"]) is program
+    assert "G1 A50.8 F1524" in compiler.fit_to_machine(program, ["[AXS:4:XYZA]"]).listing.codes
     board = boards.load("router_4axis")
     del board["rotary"]
     path = tmp_path / "linear.py"

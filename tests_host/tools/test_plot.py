@@ -121,7 +121,7 @@ def test_a_picture_shows_table_page_and_time(tmp_path, monkeypatch):
     assert seen["x"][0] <= 0 and seen["x"][1] >= 400 and seen["y"][1] >= 300
     seen = drawn_by(monkeypatch, lambda: command.plot(trace, None, "plotter_2014", "10"))
     assert not any("table" in label for label in seen["labels"])
-    seen = drawn_by(monkeypatch, lambda: plot.save("a.png", [(True, [(1, 1), (2, 2)])], "t", (0, 0, 9, 8), (0, 1, 7, 6.5)))
+    seen = drawn_by(monkeypatch, lambda: plot.save_picture("a.png", [(True, [(1, 1), (2, 2)])], "t", (0, 0, 9, 8), (0, 1, 7, 6.5)))
     assert {"table 9 × 8 mm", "page 7 × 5.5 mm"} <= set(seen["labels"])
 
 
@@ -135,8 +135,8 @@ def test_lines_in_the_colours_of_their_order(tmp_path):
     from matplotlib.image import imread
 
     strokes = [(True, [(0, y), (9, y)]) for y in range(8)]
-    plot.save(tmp_path / "dark.png", strokes, "dark")
-    plot.save(tmp_path / "order.png", strokes, "order", order=True)
+    plot.save_picture(tmp_path / "dark.png", strokes, "dark")
+    plot.save_picture(tmp_path / "order.png", strokes, "order", order=True)
     dark, order = (imread(tmp_path / name)[..., :3] for name in ("dark.png", "order.png"))
 
     def count(picture):
@@ -151,5 +151,5 @@ def test_a_trace_without_a_stroke_has_a_picture(tmp_path):
     trace.write_text(HEADER + "0.000,0,0,0,0,0\n")
     strokes = plot.strokes_of_trace(read_trace(trace), (10, 10))
     for order in (False, True):
-        plot.save(tmp_path / "still.png", strokes, "still", order=order)
+        plot.save_picture(tmp_path / "still.png", strokes, "still", order=order)
         assert (tmp_path / "still.png").stat().st_size > 1000

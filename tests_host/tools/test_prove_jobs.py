@@ -19,7 +19,7 @@ def test_a_drawing_of_packets(name):
     board = boards.load("plotter_2014")
     port = board_words.Words()
     app = App(checked(copy.deepcopy(board)), port)
-    assert board_words.draw(app, port, JOBS[name]) == 0
-    board_words.settle(app)
+    assert board_words.draw_packets(app, port, JOBS[name]) == 0
+    board_words.run_until_still(app)
     sink = digest(board, io.BytesIO(b"".join(JOBS[name])))
     assert (port.digest(), port.count) == (sink.hexdigest(), sink.add_words) and sink.stepping

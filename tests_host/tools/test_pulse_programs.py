@@ -11,7 +11,7 @@ from host_tools.cli.pulses_stream import play_long
 from host_tools.clients.pulses import PulsesClient
 from host_tools.failure import Failure
 from host_tools.programs import pulse_file, pulse_gcode, pulse_shapes
-from host_tools.programs.program_lines import strip
+from host_tools.programs.program_lines import strip_line
 from host_tools.programs.long_pulses import LongFile
 from host_tools.programs.pulse_gcode import moves_of, same_steps, to_gcode
 from host_tools.programs.recognition import pieces
@@ -24,12 +24,12 @@ CONFIG = BOARD["step_program"]
 
 
 def items(text):
-    return pulse_file.items(text if isinstance(text, bytes) else text.encode(), "xyz", CONFIG)
+    return pulse_file.read_items(text if isinstance(text, bytes) else text.encode(), "xyz", CONFIG)
 
 
 def of_gcode(text):
     """Return the items that the converter makes of G-code."""
-    lines = [(number, strip(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
+    lines = [(number, strip_line(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
     return items(pulse_file.Converter(BOARD).convert([row for row in lines if row[1]]))
 
 
@@ -44,7 +44,7 @@ def back_and_forth(found):
 
 @pytest.mark.parametrize("shape, sides", [("square", 4), ("triangle", 3), ("hexagon", 6), ("octagon", 8)])
 def test_the_document_s_shapes_are_their_sides(shape, sides):
-    moves, counts = back_and_forth(items(pulse_shapes.text(shape, 80)))
+    moves, counts = back_and_forth(items(pulse_shapes.shape_text(shape, 80)))
     assert counts["lines"] == sides and counts["arcs"] == 0
     corners = pulse_shapes.SHAPES[shape]
     x, y = corners[0]
@@ -188,13 +188,13 @@ def test_every_place_of_a_file_both_ways(tmp_path, monkeypatch):
     states = list(states_of(commands))
     file = LongFile(tmp_path / "file.txt", "xyz")
     assert file.total == 3000
-    whole, _ = walk_of(b"".join(file.forward()))
+    whole, _ = walk_of(b"".join(file.play_forward()))
     for number in range(0, 3001, 29):
         state = file.seek(number)
         assert (state.number, state.place, state.tool, state.speed) == (number, *states[number])
-        ahead = b"".join(file.forward(number))
+        ahead = b"".join(file.play_forward(number))
         steps, count = walk_of(ahead)
-        behind = b"".join(file.backward(number))
+        behind = b"".join(file.play_backward(number))
         back, _ = walk_of(behind)
         before = sum(len(command) == 1 and command in LETTERS for command in commands[:number])
         assert len(steps) == len(whole) - before or before == len(whole)
@@ -206,11 +206,11 @@ def test_backward_tool_and_speed_are_those_of_the_place(tmp_path):
     path = tmp_path / "file.txt"
     path.write_bytes(b"A+700BB(CC*500+0D)E$FF")
     file = LongFile(path, "xyz")
-    assert b"".join(file.backward()) == b"$)EE+700F(C*0*0DD)AA@B"
-    assert b"".join(file.backward(8)) == b"+700(*0DD)AA@B"
-    assert b"".join(file.forward(8)) == b"+700(+0D)E$FF"
+    assert b"".join(file.play_backward()) == b"$)EE+700F(C*0*0DD)AA@B"
+    assert b"".join(file.play_backward(8)) == b"+700(*0DD)AA@B"
+    assert b"".join(file.play_forward(8)) == b"+700(+0D)E$FF"
     path.write_bytes(b"[AA]")
-    assert b"".join(LongFile(path, "xyz").backward(3)) == b"[@)BB*0]"
+    assert b"".join(LongFile(path, "xyz").play_backward(3)) == b"[@)BB*0]"
 
 
 @pytest.mark.parametrize("data, text", [
@@ -238,13 +238,13 @@ def test_a_million_codes_turned_round_repeated_and_sought(tmp_path):
     places = np.concatenate([np.zeros((1, 3), np.int64), np.cumsum(steps, axis=0, dtype=np.int64)])
     for number in rng.integers(0, 1_000_001, 200).tolist():
         assert file.seek(number).place == tuple(places[number])
-    turned = moves_of([item for item in items(b"".join(file.backward())) if item & 15], 3)
+    turned = moves_of([item for item in items(b"".join(file.play_backward())) if item & 15], 3)
     assert np.array_equal(turned, -steps[::-1])
     middle = int(rng.integers(1, 1_000_000))
-    again = moves_of([item for item in items(b"".join(file.forward(middle))) if item & 15], 3)
+    again = moves_of([item for item in items(b"".join(file.play_forward(middle))) if item & 15], 3)
     assert np.array_equal(again, steps[middle:])
     counted, at = 0, 0
-    for chunk in file.forward(times=100):
+    for chunk in file.play_forward(times=100):
         assert chunk == codes[at : at + len(chunk)].tobytes()
         counted += len(chunk)
         at = (at + len(chunk)) % len(codes)
@@ -307,7 +307,7 @@ def test_turned_round_beyond_what_the_board_remembers(tmp_path):
         with PulsesClient(board.port) as client:
             file = LongFile(path, "xyz")
             turned = []
-            forward = file.forward
+            forward = file.play_forward
 
             def held(number, times):
                 """The end comes once the key has been pressed, however fast the board is."""
@@ -317,7 +317,7 @@ def test_turned_round_beyond_what_the_board_remembers(tmp_path):
                         yield b""
                     yield block[8500:]
 
-            file.forward = held
+            file.play_forward = held
 
             def show(panel, status):
                 if not turned and int(status["at"]) > 8000:
@@ -375,7 +375,7 @@ def test_a_radius_beside_the_document_s_shapes(shape, side, tmp_path):
     from shapely import LineString, Polygon
 
     file, out = tmp_path / "shape.txt", tmp_path / "part.gcode"
-    file.write_text(pulse_shapes.text(shape, 80))
+    file.write_text(pulse_shapes.shape_text(shape, 80))
     status, text = passo("convert", file, "-o", out, "--side", side, "--radius", 3.5)
     assert status == 0, (status, text)
     (path,) = path_of(out.read_text())

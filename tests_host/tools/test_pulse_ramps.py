@@ -22,7 +22,7 @@ FASTEST = 2403  # mm/min
 
 
 def items(text):
-    return pulse_file.items(text.encode(), "xyz", CONFIG)
+    return pulse_file.read_items(text.encode(), "xyz", CONFIG)
 
 
 def speeds_of(found):
@@ -45,7 +45,7 @@ def speeds_of(found):
 
 @pytest.mark.parametrize("shape, accel", [("square", 100), ("triangle", 600), ("hexagon", 100), ("octagon", 600)])
 def test_shapes_accelerate_within_bounds(shape, accel):
-    text = pulse_shapes.text(shape, 80, 1800)
+    text = pulse_shapes.shape_text(shape, 80, 1800)
     made = items(with_ramps(items(text), BOARD, accel))
     assert same_steps(items(text), made, 3)
     moves, speeds, _ = speeds_of(made)
@@ -69,9 +69,9 @@ def test_shapes_accelerate_within_bounds(shape, accel):
 
 
 def test_an_arc_stays_within_the_acceleration():
-    from host_tools.programs.program_lines import strip
+    from host_tools.programs.program_lines import strip_line
 
-    lines = [(number, strip(line)) for number, line in enumerate(b"F2400\nG1X40\nG3X40Y10I0J5\nG1X0".split(b"\n"), 1)]
+    lines = [(number, strip_line(line)) for number, line in enumerate(b"F2400\nG1X40\nG3X40Y10I0J5\nG1X0".split(b"\n"), 1)]
     found = items(pulse_file.Converter(BOARD).convert(lines))
     made = items(with_ramps(found, BOARD, 100))
     assert same_steps(found, made, 3)

@@ -166,7 +166,7 @@ def test_examples_are_closed(shape, tmp_path):
     file = tmp_path / "shape.txt"
     assert passo("example", shape, "-o", file, "--speed", 2400)[0] == 0
     board = check(boards.load("lpt_router"))
-    course = pulse_file.Course(pulse_file.items(file.read_bytes(), "xyz", board["step_program"]), board)
+    course = pulse_file.Course(pulse_file.read_items(file.read_bytes(), "xyz", board["step_program"]), board)
     assert course.place == [0, 0, 0]
     size = {"square": (100, 100), "triangle": (100, 100), "hexagon": (150, 100), "octagon": (150, 150)}[shape]
     assert [(high - low) / 80 for low, high in zip(course.low, course.high)][:2] == list(size)
@@ -200,7 +200,7 @@ def test_gcode_becomes_the_steps_of_the_firmware(tmp_path):
         letters += "".join({1: "A", 3: "G"}[mask] for mask in out[:count])
     assert text.split("+600")[1].startswith(letters)
     board = check(boards.load("lpt_router"))
-    course = pulse_file.Course(pulse_file.items(target.read_bytes(), "xyz", board["step_program"]), board)
+    course = pulse_file.Course(pulse_file.read_items(target.read_bytes(), "xyz", board["step_program"]), board)
     assert course.place == [0, 0, 80]
     assert (course.high[0] - 800, course.high[1] - 264, course.low[1] - 264) == (800, 400, -400)  # a whole circle of 5 mm
 
@@ -239,7 +239,7 @@ def test_arcs_of_a_step_and_less(lines, place, tmp_path):
     source.write_text(f"G21 G90 F600\n{lines}\n")
     assert passo("convert", source, "-o", target) == (0, f"{target}\n")
     board = check(boards.load("lpt_router"))
-    course = pulse_file.Course(pulse_file.items(target.read_bytes(), "xyz", board["step_program"]), board)
+    course = pulse_file.Course(pulse_file.read_items(target.read_bytes(), "xyz", board["step_program"]), board)
     assert tuple(course.place) == place
     assert course.steps <= 800 + abs(place[2]) and max(course.high[:2]) <= 804 and course.low[:2] > [-5, -5]
 
@@ -254,7 +254,7 @@ def test_an_arc_on_unlike_axes_is_made_of_chords(tmp_path):
     source.write_text("G21 G90 G18 F600\nG2 X0 Z0 I5 K0\n")
     assert passo("convert", source, "-o", target, "--board", board) == (0, f"{target}\n")
     config = check(boards.load(str(board)))
-    course = pulse_file.Course(pulse_file.items(target.read_bytes(), "xyz", config["step_program"]), config)
+    course = pulse_file.Course(pulse_file.read_items(target.read_bytes(), "xyz", config["step_program"]), config)
     assert course.place == [0, 0, 0] and (course.low, course.high) == ([0, 0, -250], [800, 0, 250])
 
 

@@ -131,7 +131,7 @@ def test_each_line_is_taken(tmp_path, name, board, text, low, high):
     path = tmp_path / name
     path.write_text(text, newline="\r\n")
     job = VirtualJob(board)
-    job.run(gcode_file.lines(path))
+    job.run(gcode_file.file_lines(path))
     assert job.errors == [] and tools_of(gcode_lines(path)) == []
     assert [round(value, 2) for value in job.low[: len(low)]] == pytest.approx(list(low), abs=0.02)
     assert [round(value, 2) for value in job.high[: len(high)]] == pytest.approx(list(high), abs=0.02)
@@ -141,7 +141,7 @@ def test_a_word_that_is_wrong_is_found_in_them(tmp_path):
     path = tmp_path / "wrong.gc"
     path.write_text(LIGHTBURN.replace("G1 Y25\n", "G1 Y25Q\n", 1))
     job = VirtualJob("laser_xy")
-    job.run(gcode_file.lines(path))
+    job.run(gcode_file.file_lines(path))
     assert [line for line, *_ in job.errors] == [12]
 
 
@@ -149,5 +149,5 @@ def test_a_start_script_for_an_axis_that_is_not_there_is_told(tmp_path):
     path = tmp_path / "script.gc"
     path.write_text(USER_ORIGIN.replace("M7;\n", "G90 G20\nG0 X0 Y0\nG1 X0 Z1 F100\n").replace("G40", "G43.2"))
     job = VirtualJob("laser_xy")
-    job.run(gcode_file.lines(path))
+    job.run(gcode_file.file_lines(path))
     assert [(line, "this machine has no Z" in what) for line, _, what in job.errors] == [(8, True), (12, False)]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from host_tools.build import pc_kernels
 from host_tools.drawings import order_viper, shorter
-from host_tools.drawings.line_order import travel
+from host_tools.drawings.line_order import travel_length
 from host_tools.drawings.shorter import shorten
 
 POINTS = st.builds(complex, st.integers(0, 100), st.integers(0, 100))
@@ -45,7 +45,7 @@ def greedy(lines, place):
 def test_the_same_ink_on_no_longer_a_way(lines, place):
     made = shorten(lines, place)
     assert len(made) == len(lines) and ink(made) == ink(lines)
-    assert travel(made, place) <= travel(lines, place) + 1e-6
+    assert travel_length(made, place) <= travel_length(lines, place) + 1e-6
     for line in made:
         assert any(len(line) == len(each) and ink([line]) == ink([each]) for each in lines)
     again = shorten(lines, place)
@@ -74,12 +74,12 @@ def test_the_nearest_end_is_next(places, near):
     spread = [1, 40, 400, 1092][near]
     lines = [numpy.array([complex(a, b), complex(c, d)]) * spread for a, b, c, d in places]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shorter, "_nearest", lambda xs, ys: numpy.full(len(xs) * order_viper.NEAR, -1))
-        patch.setattr(shorter, "travel", lambda lines, place: 0.0)  # the file's order is not taken because it is shorter
+        patch.setattr(shorter, "_nearest_ends", lambda xs, ys: numpy.full(len(xs) * order_viper.NEAR, -1))
+        patch.setattr(shorter, "travel_length", lambda lines, place: 0.0)  # the file's order is not taken because it is shorter
         patch.setattr(shorter, "_SIDE", 30 * spread)
         tour = shorter._Tour([*lines, numpy.array([0j, 30 * spread * (1 + 1j)])], 0j)  # one unit is 1
         tour.start()
-        took = [end for end in tour._order()]
+        took = [end for end in tour._tour_order()]
     at = 2 * len(tour._lines)
     left = set(range(2 * len(tour._lines)))
     for end in took:
@@ -93,7 +93,7 @@ def test_a_closed_line_is_entered_where_it_suits():
     (line,) = shorten([square], 11 + 11j)
     assert line[0] == line[-1] == 10 + 10j and ink([line]) == ink([square])
     made = shorten([square, numpy.array([12 + 10j, 20 + 10j])], -1 + 10j)
-    assert travel(made, -1 + 10j) <= 1 + abs(12 + 10j - 10j) + 1e-9
+    assert travel_length(made, -1 + 10j) <= 1 + abs(12 + 10j - 10j) + 1e-9
 
 
 @needs_compiler
@@ -109,7 +109,7 @@ def test_a_field_of_lines_takes_a_quarter_less_than_greedy(closed, share, in_c):
     lines = [one() for _ in range(800)]
     if closed:
         lines = [numpy.append(line[:-1], line[0]) for line in lines]
-    assert travel(shorten(lines, 0j), 0j) < share * travel(greedy(lines, 0j), 0j)
+    assert travel_length(shorten(lines, 0j), 0j) < share * travel_length(greedy(lines, 0j), 0j)
 
 
 def field(count, side):
@@ -121,11 +121,11 @@ def field(count, side):
 def test_without_a_compiler_there_are_fewer_tries(monkeypatch):
     """Else the time would be a hundred times as long; the way is still shorter than greedy's."""
     lines, counts = field(300, 100), []
-    kick = shorter._Tour.kick
-    monkeypatch.setattr(shorter._Tour, "kick", lambda self, *given: kick(self, *given) or counts.append(self._state[order_viper.TRIED]))
+    kick = shorter._Tour.kick_tour
+    monkeypatch.setattr(shorter._Tour, "kick_tour", lambda self, *given: kick(self, *given) or counts.append(self._state[order_viper.TRIED]))
     shares = []
     made = shorten(lines, 0j, shares.append)
-    assert ink(made) == ink(lines) and travel(made, 0j) < 0.85 * travel(greedy(lines, 0j), 0j)
+    assert ink(made) == ink(lines) and travel_length(made, 0j) < 0.85 * travel_length(greedy(lines, 0j), 0j)
     assert counts[0] < shorter._MOST_TRIED // shorter._PLAIN + 50_000 and shares[0] == 0 and shares == sorted(shares) and shares[-1] <= 1
 
 
@@ -133,11 +133,11 @@ def test_a_move_takes_no_more_lines_along_than_it_may(monkeypatch):
     """Else the time is that of the square of the lines."""
     monkeypatch.setattr(shorter, "_FARTHEST", 50)
     monkeypatch.setattr(shorter, "_KICKS", 0)
-    moved, turn = [], order_viper.turn
-    monkeypatch.setattr(order_viper, "turn", lambda state, tour, at, log, low, high: moved.append(high - low + 1) or turn(state, tour, at, log, low, high))
+    moved, turn = [], order_viper.reverse_lines
+    monkeypatch.setattr(order_viper, "reverse_lines", lambda state, tour, at, log, low, high: moved.append(high - low + 1) or turn(state, tour, at, log, low, high))
     lines = greedy(field(1500, 100), 0j)
     made = shorten(lines, 0j)
-    assert ink(made) == ink(lines) and travel(made, 0j) < 0.95 * travel(lines, 0j)
+    assert ink(made) == ink(lines) and travel_length(made, 0j) < 0.95 * travel_length(lines, 0j)
     assert len(moved) > 100 and max(moved) <= 50 + order_viper.LONGEST
 
 
@@ -145,7 +145,7 @@ def test_a_kick_that_does_not_help_is_taken_back():
     """Its turns are undone in the opposite order; the sum of ways stays that of the tour."""
     tour = shorter._Tour(field(60, 100), 0j)
     tour.start()
-    tour.settle(lambda share: None)
+    tour.improve_tour(lambda share: None)
     state, way = tour._state, lambda: sum(
         order_viper.apart(tour._xs, tour._ys, tour._tour[index] ^ 1, tour._tour[index + 1]) for index in range(60)
     )
@@ -154,9 +154,9 @@ def test_a_kick_that_does_not_help_is_taken_back():
     took_back = 0
     for _ in range(60):
         before, order = way(), tour._tour.tolist()
-        order_viper.kick(*tour._moves)
+        order_viper.kick_once(*tour._move_arrays)
         assert way() - begun == state[order_viper.LENGTH] - length and way() <= before
-        assert all(tour._at[end >> 1] == index + 1 for index, end in enumerate(tour._order()))
+        assert all(tour._at[end >> 1] == index + 1 for index, end in enumerate(tour._tour_order()))
         took_back += tour._tour.tolist() == order
     assert took_back > 10
 
@@ -182,4 +182,4 @@ def test_a_hundred_thousand_lines_take_seconds(in_c):
     begun = time.process_time()
     made = shorten(lines, 0j)
     assert time.process_time() - begun < 20  # 2
-    assert travel(made, 0j) < 46_700  # 1.29 times as much by the nearest end alone
+    assert travel_length(made, 0j) < 46_700  # 1.29 times as much by the nearest end alone

@@ -80,7 +80,7 @@ def test_shapes_stand_where_a_browser_has_them(tmp_path, pictures, name):
     path.write_text(f"{HEAD}{AS_BROWSERS[name]}</svg>")
     page = SvgFile(path).outlines(0.02)
     shown = svg_area.rectangle(0, 0, *SIDE)
-    lines = svg_area.clip([line for lines in page.layers.values() for line in lines], shown)
+    lines = svg_area.clip_lines([line for lines in page.layers.values() for line in lines], shown)
     ink = pictures[name]
     near = 3.6 if "stroke-width:6" in name else 2.2 if "scale:2" in name or "inside" in name else 1.2
     assert min(agreement(ink, lines, near)) > 0.99, lines and box_of([lines])
@@ -275,7 +275,7 @@ def old_list(monkeypatch):
     manager = font_manager.fontManager
     monkeypatch.setattr(manager, "ttflist", [each for each in manager.ttflist if "Mono" not in each.name])
     manager._findfont_cached.cache_clear()
-    caches = (svg_font._find_font, svg_font._letters, svg_font._is_slanted, svg_font.heights)
+    caches = (svg_font._find_font, svg_font._letter_sets, svg_font._is_slanted, svg_font.font_heights)
     for cache in caches:
         cache.cache_clear()
     yield

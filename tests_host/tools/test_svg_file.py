@@ -101,7 +101,7 @@ PLACES = st.builds(complex, st.integers(-30, 130), st.integers(-30, 130))
 def test_what_is_left_of_a_line_is_what_lies_inside(line, ring, rule):
     """Against a winding number of each place, counted by rays; places near an edge may fall either way."""
     line, ring = numpy.array(line), numpy.array(ring)
-    left = svg_area.clip([line], svg_area.fill_area([ring], rule))
+    left = svg_area.clip_lines([line], svg_area.fill_area([ring], rule))
     closed = numpy.append(ring, ring[0])
     for share in numpy.linspace(0, 1, 23):
         for a, b in zip(line, line[1:]):
@@ -160,7 +160,7 @@ def test_dashes_cover_their_share_of_a_line(pattern, offset, line):
             if number % 2 == 0:
                 wanted += max(0.0, min(at + span, whole) - max(at, 0.0))
             at += span
-    dashes = svg_geometry.dash([line], pattern, offset)
+    dashes = svg_geometry.dash_lines([line], pattern, offset)
     assert sum(abs(numpy.diff(dash)).sum() for dash in dashes) == pytest.approx(wanted, abs=1e-6)
 
 
@@ -280,7 +280,7 @@ def test_transforms_are_those_of_svgelements(steps, between):
     text = between.join(f"{name}({' '.join(map(str, given))})" for name, given in steps)
     other = svgelements.Matrix(text)
     for place in ((0, 0), (1, 0), (0, 1)):
-        (line,) = svg_geometry.transform_lines([numpy.array([complex(*place)])], svg_geometry.matrix(text))
+        (line,) = svg_geometry.transform_lines([numpy.array([complex(*place)])], svg_geometry.read_matrix(text))
         assert (line[0].real, line[0].imag) == pytest.approx(tuple(other.point_in_matrix_space(place)), rel=1e-6, abs=1e-6)
 
 
@@ -428,7 +428,7 @@ def test_chords_keep_their_distance_from_curves(places, deviation):
     quadratic = (1 - t) ** 2 * p + 2 * (1 - t) * t * q + t**2 * r
     for data, curve in ((f"M{a}C{b} {c} {d}", cubic), (f"M{a}Q{b} {c}", quadratic)):
         segments, whole = svg_path.read(data)
-        (line,) = svg_geometry.flatten(segments, deviation)
+        (line,) = svg_geometry.flatten_segments(segments, deviation)
         assert whole
         assert max(min(distance(place, *pair) for pair in zip(line, line[1:])) for place in curve) <= deviation + 1e-9
 

@@ -75,7 +75,7 @@ def test_it_is_read_up_to_its_first_mistake(data, ends, whole):
 @given(st.text("MLzhCqSTa019.-e, x", max_size=60))
 def test_any_text_is_read(data):
     segments, _whole = svg_path.read(data)
-    lines = svg_geometry.flatten(segments, 0.1)
+    lines = svg_geometry.flatten_segments(segments, 0.1)
     assert all(len(line) > 1 and numpy.isfinite(line).all() for line in lines)
 
 

@@ -44,7 +44,7 @@ def test_the_architecture_page_has_the_same_figures():
 
 
 def test_a_function_is_counted_once_and_a_kernel_as_one():
-    machine = ways._machine()
+    machine = ways._make_machine()
     with ways.Passed() as once:
         machine.app.poll()
     with ways.Passed() as often:

@@ -33,7 +33,7 @@ def swept(lines, scale=SCALES[0]):
     angles = []
     for index in range(len(lines)):
         before = list(machine._board.target)
-        for made in machine._interpret(index):
+        for made in machine._interpret_line(index):
             if made.kind == commands.ARC:
                 unit = scale[made.second], scale[made.first]
                 spoke = [-by * each for by, each in zip(made.centre, unit)]
@@ -159,7 +159,7 @@ def test_every_road_reads_the_same(tmp_path):
         out = tmp_path / "out.gcode"
         out.write_text(program.listing.text(program.texts))
         assert swept([line for _, line in compiler.read(out).rows()]) == [pytest.approx(wanted, abs=0.02)]
-        times = gcode_time.estimate(list(program.rows()), gcode_time.Limits([1000.0] * 4, [1e9] * 4))
+        times = gcode_time.estimate_seconds(list(program.rows()), gcode_time.Limits([1000.0] * 4, [1e9] * 4))
         stroke = next(stroke for stroke in program.listing.strokes if len(stroke.points) > 2)
         way = sum(map(math.dist, stroke.points, stroke.points[1:]))
         feed = 100 * (25.4 if each % 2 else 1)

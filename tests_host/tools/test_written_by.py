@@ -50,7 +50,7 @@ def test_a_drawing_has_its_size(row, tmp_path):
 def test_a_program_runs_as_it_is(row, tmp_path):
     name, text, low, high = PROGRAMS[row]
     job = VirtualJob("router_3axis")
-    job.run(gcode_file.lines(written(tmp_path, name, text)))
+    job.run(gcode_file.file_lines(written(tmp_path, name, text)))
     assert job.errors == []
     assert list(job.low) == pytest.approx(low, abs=0.01) and list(job.high) == pytest.approx(high, abs=0.01)
 

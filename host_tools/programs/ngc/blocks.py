@@ -21,7 +21,7 @@ class Block:
         self.settings = []  # (parameter, value)
 
 
-def clean(line):
+def clean_line(line):
     """(text without blanks and comments in small letters, True if the line begins with /). Raises ProgramError."""
     kept = []
     inside = False
@@ -46,30 +46,30 @@ def read(text, values):
     """The Block of a cleaned line. Raises ProgramError."""
     block = Block()
     cursor = Cursor(text, values)
-    if cursor.take("n"):
-        cursor.value()
-    while not cursor.ends():
+    if cursor.take_text("n"):
+        cursor.read_value()
+    while not cursor.at_end():
         letter = cursor.peek()
         cursor.at += 1
         if letter == "#":
-            name = cursor.name()
-            if not cursor.take("="):
-                raise ProgramError(SYNTAX, "= before {}", cursor.rest())
-            block.settings.append((name, cursor.value()))
+            name = cursor.read_name()
+            if not cursor.take_text("="):
+                raise ProgramError(SYNTAX, "= before {}", cursor.rest_text())
+            block.settings.append((name, cursor.read_value()))
         elif letter in "gm":
-            (block.g if letter == "g" else block.m).append(_code(letter, cursor.value()))
+            (block.g if letter == "g" else block.m).append(_code_in_tenths(letter, cursor.read_value()))
         elif letter in LETTERS:
             if letter in block.words:
                 raise ProgramError(REPEATED, "{}", letter.upper())
-            block.words[letter] = cursor.value()
+            block.words[letter] = cursor.read_value()
         elif letter in ELSEWHERE:
             raise ProgramError(NOT_IN_DIALECT, "{}: machines have X, Y, Z and A", letter.upper())
         else:
-            raise ProgramError(SYNTAX, "{}{}", letter, cursor.rest())
+            raise ProgramError(SYNTAX, "{}{}", letter, cursor.rest_text())
     return block
 
 
-def _code(letter, value):
+def _code_in_tenths(letter, value):
     """The code in tenths."""
     tenths = half_away(value * 10)
     if abs(value * 10 - tenths) > EQUAL * 10 or value < 0:
@@ -77,7 +77,7 @@ def _code(letter, value):
     return int(tenths)
 
 
-def whole(words, letter, low=0, high=1_000_000):
+def whole_number(words, letter, low=0, high=1_000_000):
     """The value of a word that is a whole number within `low` … `high`. Raises ProgramError."""
     value = words[letter]
     if abs(value - half_away(value)) > EQUAL:

@@ -1,7 +1,7 @@
 """Numbers, parameters and expressions of RS274/NGC.
 
     cursor = Cursor("[#1+2]*3", values)
-    cursor.value()          # one value: a number, a parameter, an expression in brackets, a function
+    cursor.read_value()          # one value: a number, a parameter, an expression in brackets, a function
 
 Blanks and comments must have been removed, letters be small. Angles are degrees. Values that differ by less than 1e-6 are equal.
 `values` has get(name) and has(name); a name is a whole number, or a text.
@@ -62,7 +62,7 @@ _SPELLINGS = sorted((name for group in OPERATORS for name in group), key=len, re
 _LEVELS = {name: level for level, group in enumerate(OPERATORS) for name in group}
 
 
-def finite(value):
+def check_finite(value):
     """`value`. Raises ProgramError if it is more than a number can be."""
     if not math.isfinite(value):
         raise ProgramError(DOMAIN, "a number without bounds")
@@ -97,123 +97,123 @@ class Cursor:
         self._values = values
         self._depth = 0
 
-    def ends(self):
+    def at_end(self):
         return self.at >= len(self.text)
 
     def peek(self):
         """The next character, "" at the end."""
         return self.text[self.at : self.at + 1]
 
-    def take(self, text):
+    def take_text(self, text):
         """Step over `text` if it comes next, and say whether it did."""
         if not self.text.startswith(text, self.at):
             return False
         self.at += len(text)
         return True
 
-    def rest(self):
+    def rest_text(self):
         """The next text, for an error."""
         return self.text[self.at : self.at + 12] or "the line ends"
 
-    def value(self):
+    def read_value(self):
         """One value. Raises ProgramError."""
         if self._depth > _DEEPEST:
             raise ProgramError(DEPTH, "{} at most", _DEEPEST)
         self._depth += 1
-        value = self._value()
+        value = self._read_operand()
         self._depth -= 1
         return value
 
-    def _value(self):
+    def _read_operand(self):
         char = self.peek()
         if char in ("+", "-") and self.text[self.at + 1 : self.at + 2] not in (*_DIGITS, ".", ""):
             self.at += 1
-            return -self.value() if char == "-" else self.value()
+            return -self.read_value() if char == "-" else self.read_value()
         if char == "[":
-            return self.expression()
+            return self.read_expression()
         if char == "#":
-            return self._parameter()
+            return self._read_parameter()
         if char.isalpha():
-            return self._function()
-        return self._number()
+            return self._read_function()
+        return self._read_number()
 
-    def expression(self):
+    def read_expression(self):
         """`[…]`"""
-        if not self.take("["):
-            raise ProgramError(SYNTAX, "[ before {}", self.rest())
+        if not self.take_text("["):
+            raise ProgramError(SYNTAX, "[ before {}", self.rest_text())
         if self.text.count("[", 0, self.at) - self.text.count("]", 0, self.at) > _DEEPEST:
             raise ProgramError(BRACKETS, "{} inside each other at most", _DEEPEST)
-        values = [self.value()]
+        values = [self.read_value()]
         operators = []
-        while not self.take("]"):
-            if self.ends():
+        while not self.take_text("]"):
+            if self.at_end():
                 raise ProgramError(BRACKETS, "{}", self.text)
-            operator = next((name for name in _SPELLINGS if self.take(name)), None)
+            operator = next((name for name in _SPELLINGS if self.take_text(name)), None)
             if operator is None:
-                raise ProgramError(UNKNOWN_NAME, "{}", self.rest())
+                raise ProgramError(UNKNOWN_NAME, "{}", self.rest_text())
             # Operators that bind at least as much as the new one are worked out first: all go from left to right.
             while operators and _LEVELS[operators[-1]] <= _LEVELS[operator]:
-                _reduce(values, operators)
+                _reduce_once(values, operators)
             operators.append(operator)
-            values.append(self.value())
+            values.append(self.read_value())
         while operators:
-            _reduce(values, operators)
+            _reduce_once(values, operators)
         return values[0]
 
-    def _number(self):
+    def _read_number(self):
         begin = self.at
-        if self.peek() in ("+", "-") and not self.ends():
+        if self.peek() in ("+", "-") and not self.at_end():
             self.at += 1
-        while not self.ends() and self.peek() in _DIGITS + ".":
+        while not self.at_end() and self.peek() in _DIGITS + ".":
             self.at += 1
         try:
-            return finite(float(self.text[begin : self.at]))
+            return check_finite(float(self.text[begin : self.at]))
         except ValueError:
             self.at = begin
-            raise ProgramError(SYNTAX, "{}", self.rest()) from None
+            raise ProgramError(SYNTAX, "{}", self.rest_text()) from None
 
-    def name(self):
+    def read_name(self):
         """A parameter's number or name, behind its #."""
-        if not self.take("<"):
-            number = self.value()
+        if not self.take_text("<"):
+            number = self.read_value()
             if abs(number - half_away(number)) > EQUAL:
                 raise ProgramError(WHOLE, "#{:g}", number)
             return int(half_away(number))
         end = self.text.find(">", self.at)
         if end <= self.at:
-            raise ProgramError(BRACKETS, "<{}", self.rest())
+            raise ProgramError(BRACKETS, "<{}", self.rest_text())
         name = self.text[self.at : end]
         self.at = end + 1
         return name
 
-    def _parameter(self):
+    def _read_parameter(self):
         self.at += 1
-        return self._values.get(self.name())
+        return self._values.get(self.read_name())
 
-    def _function(self):
-        if self.take("exists["):
-            if not self.take("#"):
+    def _read_function(self):
+        if self.take_text("exists["):
+            if not self.take_text("#"):
                 raise ProgramError(PARAMETER, "EXISTS[#<name>]")
-            known = self._values.has(self.name())
-            if not self.take("]"):
+            known = self._values.has(self.read_name())
+            if not self.take_text("]"):
                 raise ProgramError(BRACKETS, "{}", self.text)
             return float(known)
-        if self.take("atan"):
-            y = self.expression()
-            if not self.take("/"):
+        if self.take_text("atan"):
+            y = self.read_expression()
+            if not self.take_text("/"):
                 raise ProgramError(SYNTAX, "ATAN[y]/[x]")
-            return math.degrees(math.atan2(y, self.expression()))
-        name = next((name for name in FUNCTIONS if self.take(name)), None)
+            return math.degrees(math.atan2(y, self.read_expression()))
+        name = next((name for name in FUNCTIONS if self.take_text(name)), None)
         if name is None:
-            raise ProgramError(UNKNOWN_NAME, "{}", self.rest())
-        argument = self.expression()
+            raise ProgramError(UNKNOWN_NAME, "{}", self.rest_text())
+        argument = self.read_expression()
         try:
             return float(FUNCTIONS[name](argument))
         except (ValueError, OverflowError):
             raise ProgramError(DOMAIN, "{}[{:g}]", name.upper(), argument) from None
 
 
-def _reduce(values, operators):
+def _reduce_once(values, operators):
     operator = operators.pop()
     right = values.pop()
-    values[-1] = finite(float(OPERATORS[_LEVELS[operator]][operator](values[-1], right)))
+    values[-1] = check_finite(float(OPERATORS[_LEVELS[operator]][operator](values[-1], right)))

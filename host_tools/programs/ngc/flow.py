@@ -11,8 +11,8 @@ import re
 from typing import NamedTuple
 
 from host_tools.programs.listing import Source
-from host_tools.programs.ngc.blocks import clean
-from host_tools.programs.ngc.endless import Passes, plain
+from host_tools.programs.ngc.blocks import clean_line
+from host_tools.programs.ngc.endless import Passes, plain_value
 from host_tools.programs.ngc.expressions import Cursor, half_away
 from host_tools.programs.program_errors import (
     DEPTH, ENDLESS, LABEL, NO_END, NO_PROGRAM, SYNTAX, UNKNOWN_NAME, ProgramError,
@@ -59,35 +59,35 @@ class Flow:
         self._parts = {}  # number of a line: its _Part
         self._subs = {}
         self._programs = {}  # number: its first line, for M98
-        self._load(name, text)
+        self._load_file(name, text)
         self._at = 0
         self._calls = []  # [number of the line behind the call, counts of its loops, first line of a subprogram of M98 or None, runs left]
         self._counts = {}  # of repeat, by the number of its line
-        self._passes = Passes(lambda: (state(), plain(self._calls), plain(self._counts)))
+        self._passes = Passes(lambda: (state(), plain_value(self._calls), plain_value(self._counts)))
         self._done = 0
 
     # --- reading
 
-    def _load(self, name, text):
+    def _load_file(self, name, text):
         self.texts[name] = rows = text.splitlines()
         begin = len(self._lines)
         percent = False
         for number, row in enumerate(rows, 1):
             source = Source(name, number)
             try:
-                words, slash = clean(row)
+                words, slash = clean_line(row)
                 if words == "%":
                     if percent:
                         break
                     percent = True
                 elif words and not (slash and self._skip):
-                    self._lines.append(self._line(source, words))
+                    self._lines.append(self._parse_line(source, words))
             except ProgramError as error:
-                raise error.at(source) from None
+                raise error.name_place(source) from None
         self._ends += [len(self._lines)] * (len(self._lines) - begin)
-        self._match(begin)
+        self._match_labels(begin)
 
-    def _line(self, source, words):
+    def _parse_line(self, source, words):
         found = _LABEL.match(words)
         if not found:
             return Line(source, words, "", "")
@@ -107,7 +107,7 @@ class Flow:
             raise ProgramError(UNKNOWN_NAME, "{}", rest) if rest else ProgramError(UNKNOWN_NAME, "an O word without a keyword")
         return Line(source, rest[len(keyword) :], label, keyword)
 
-    def _match(self, begin):
+    def _match_labels(self, begin):
         open_parts = []
         for number in range(begin, len(self._lines)):
             line = self._lines[number]
@@ -115,7 +115,7 @@ class Flow:
                 try:
                     self._match_line(number, line, open_parts)
                 except ProgramError as error:
-                    raise error.at(line.source) from None
+                    raise error.name_place(line.source) from None
         for part in open_parts:
             raise ProgramError(NO_END, "o{} {}", part.label, part.kind, place=self._lines[part.begin].source)
 
@@ -170,7 +170,7 @@ class Flow:
             try:
                 getattr(self, "_do_" + line.keyword)(number, line, self._parts.get(number))
             except ProgramError as error:
-                raise error.at(line.source) from None
+                raise error.name_place(line.source) from None
 
     def end(self):
         """The program ends here."""
@@ -181,14 +181,14 @@ class Flow:
         if number not in self._programs:
             found = next(filter(None, (self._find(name) for name in (f"{number}", f"{number:04}", f"O{number:04}"))), None)
             if found and found[0] not in self.texts:
-                self._load(*found)
+                self._load_file(*found)
         begin = self._programs.get(number)
         if begin is None:
             raise ProgramError(NO_PROGRAM, "O{}", number)
         if not any("m99" in line.rest for line in self._lines[begin : self._ends[begin]]):
             raise ProgramError(NO_END, "O{}: no M99", number)
         if times:
-            self._enter(begin, times)
+            self._enter_call(begin, times)
 
     def end_program(self):
         """M99: back to the caller, or once more; in the main program its end."""
@@ -198,25 +198,25 @@ class Flow:
             return self.end()
         call = self._calls[-1]
         call[3] -= 1
-        self._saved.leave()
+        self._saved.leave_call()
         if call[3]:
-            self._saved.enter()
+            self._saved.enter_call()
             self._at, self._counts = call[2], {}
         else:
             self._at, self._counts, *_ = self._calls.pop()
 
-    def _enter(self, begin, times=None):
+    def _enter_call(self, begin, times=None):
         if len(self._calls) >= DEEPEST:
             raise ProgramError(DEPTH, "{} at most", DEEPEST)
         self._calls.append([self._at, self._counts, begin if times else None, times])
-        self._saved.enter()
+        self._saved.enter_call()
         self._at, self._counts = begin, {}
 
-    def _value(self, line):
+    def _value_of_line(self, line):
         cursor = Cursor(line.rest, self._values)
-        value = cursor.value()
-        if not cursor.ends():
-            raise ProgramError(SYNTAX, "{}", cursor.rest())
+        value = cursor.read_value()
+        if not cursor.at_end():
+            raise ProgramError(SYNTAX, "{}", cursor.rest_text())
         return value
 
     def _do_sub(self, number, line, part):
@@ -225,41 +225,41 @@ class Flow:
     def _do_call(self, number, line, part):
         label = line.label
         if label[0] in "[#":
-            label = f"{half_away(Cursor(label, self._values).value()):d}"
+            label = f"{half_away(Cursor(label, self._values).read_value()):d}"
         cursor = Cursor(line.rest, self._values)
         arguments = []
-        while not cursor.ends():
-            arguments.append(cursor.expression())
+        while not cursor.at_end():
+            arguments.append(cursor.read_expression())
         if label not in self._subs:
             found = self._find(label.strip("<>"))
             if found and found[0] not in self.texts:
-                self._load(*found)
+                self._load_file(*found)
         if label not in self._subs:
             raise ProgramError(NO_PROGRAM, "o{}", label)
-        self._enter(self._subs[label].begin + 1)
-        self._values.enter(arguments)
+        self._enter_call(self._subs[label].begin + 1)
+        self._values.enter_call(arguments)
 
     def _do_return(self, number, line, part):
-        value = self._value(line) if line.rest else None
+        value = self._value_of_line(line) if line.rest else None
         if not self._calls or self._calls[-1][2] is not None:
             raise ProgramError(LABEL, "o{} {} and no call", line.label, line.keyword)
         self._at, self._counts, *_ = self._calls.pop()
-        self._values.leave(value)
-        self._saved.leave()
+        self._values.leave_call(value)
+        self._saved.leave_call()
 
     _do_endsub = _do_return
 
     def _do_if(self, number, line, part):
-        if self._value(line):
+        if self._value_of_line(line):
             return
         for branch in part.branches:
             other = self._lines[branch]
             try:
-                if other.keyword == "else" or self._value(other):
+                if other.keyword == "else" or self._value_of_line(other):
                     self._at = branch + 1
                     return
             except ProgramError as error:
-                raise error.at(other.source) from None
+                raise error.name_place(other.source) from None
         self._at = part.end + 1
 
     def _do_else(self, number, line, part):
@@ -273,20 +273,20 @@ class Flow:
     _do_do = _do_endif
 
     def _do_while(self, number, line, part):
-        goes_on = self._value(line)
+        goes_on = self._value_of_line(line)
         if part.kind == "do":
             if goes_on:
-                self._passes.count(part.begin)
+                self._passes.count_pass(part.begin)
                 self._at = part.begin + 1
         elif not goes_on:
             self._at = part.end + 1
 
     def _do_endwhile(self, number, line, part):
-        self._passes.count(part.begin)
+        self._passes.count_pass(part.begin)
         self._at = part.begin
 
     def _do_repeat(self, number, line, part):
-        count = half_away(self._value(line))
+        count = half_away(self._value_of_line(line))
         self._counts[number] = count
         if count <= 0:
             self._at = part.end + 1

@@ -7,12 +7,12 @@ Lengths are mm inside, A is degrees in G20 and G21 alike; a linear A is a length
 
 from host_tools import interpreter
 from host_tools.language import _
-from host_tools.programs.ngc.blocks import read, whole
+from host_tools.programs.ngc.blocks import read, whole_number
 from host_tools.programs.ngc.codes import (
     ARC_DISTANCE, AXIS_COMMANDS, CALLING, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
     NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, SAVING, SPLINES, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
 )  # fmt: skip
-from host_tools.programs.ngc.endless import plain
+from host_tools.programs.ngc.endless import plain_value
 from host_tools.programs.ngc.flow import Flow
 from host_tools.programs.ngc.motions import Motions
 from host_tools.programs.ngc.saved_modes import SavedModes
@@ -20,7 +20,7 @@ from host_tools.programs.ngc.state import State
 from host_tools.programs.program_errors import (
     COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, NOT_ON_BOARD as UNABLE, SAME_GROUP, TWO_COMMANDS, UNUSED, ProgramError,
 )  # fmt: skip
-from host_tools.programs.toolpath import Toolpath, number
+from host_tools.programs.toolpath import Toolpath, number_text
 
 INCH_MM = 25.4
 _NO_STATE = ("path", "values", "saved", "flow", "words", "listing", "source", "_told", "_modes")  # parts of the interpreter, and of a line
@@ -32,7 +32,7 @@ def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, 
     ProgramError with file and line."""
     path = Toolpath(listing, start)
     interpreter = Interpreter(path, dict(tools or {}), linear)
-    flow = interpreter.flow = Flow(name, text, interpreter.values, interpreter.saved, interpreter.state, bound, find, skip)
+    flow = interpreter.flow = Flow(name, text, interpreter.values, interpreter.saved, interpreter.plain_state, bound, find, skip)
     for line in flow:
         path.source = line.source
         if listing.progress:
@@ -41,12 +41,12 @@ def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, 
             if interpreter.carry_out(line.rest):
                 flow.end()
         except ProgramError as error:
-            raise error.at(line.source) from None
+            raise error.name_place(line.source) from None
     try:
         path.uncompensate()
         path.end_inverse()
     except ProgramError as error:
-        raise error.at(path.source) from None
+        raise error.name_place(path.source) from None
     return flow.texts
 
 
@@ -57,17 +57,17 @@ class Interpreter(Motions):
         self.saved = SavedModes(self)
         self.flow = None
 
-    def state(self):
+    def plain_state(self):
         """All that the lines to come depend on, in plain values. Raises TypeError while a contour is compensated."""
         parts = (self, self.path, self.values, self.saved)
-        return tuple(plain({key: each for key, each in vars(part).items() if key not in _NO_STATE}) for part in parts)
+        return tuple(plain_value({key: each for key, each in vars(part).items() if key not in _NO_STATE}) for part in parts)
 
     def _readable_parameters(self):
         """Parameters by which the program can ask for its state."""
         told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length[0] or 0.0}
         told[5410] = lambda: self.tools[self.tool].diameter / self.scale if self.tool in self.tools else 0.0
         for axis, name in enumerate("xyza"):
-            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.position(axis) / self.unit(axis)
+            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.position(axis) / self.unit_mm(axis)
         told.update(
             _feed=lambda: self.feed / self.scale,
             _rpm=lambda: self.rpm,
@@ -88,7 +88,7 @@ class Interpreter(Motions):
         """One line; True if it ends the program. Raises ProgramError."""
         block = read(text, self.values)
         words = self.words = block.words
-        g, m = self._groups(block)
+        g, m = self._group_codes(block)
         for name, value in block.settings:
             self.values.set(name, value)
         if UNITS in g:
@@ -106,7 +106,7 @@ class Interpreter(Motions):
         if SAVING in m:
             self.saved.carry_out(m[SAVING])
         if non_modal == 40:
-            self.dwell()
+            self.put_dwell()
         if PLANE in g:
             self.plane = g[PLANE] // 10
         if ARC_DISTANCE in g:
@@ -124,24 +124,24 @@ class Interpreter(Motions):
         if RETURN in g:
             self.initial = g[RETURN] == 980
         if non_modal not in (None, 40, 530):
-            self.offsets(non_modal)
+            self.set_offsets(non_modal)
         elif motion is not None:
-            self.move(motion, non_modal == 530)
-        called = (self.whole("p", 0, 99999), self.whole("l", 0, 9999) if "l" in self.words else 1) if m.get(CALLING) == 980 else None
+            self.put_motion(motion, non_modal == 530)
+        called = (self.take_whole("p", 0, 99999), self.take_whole("l", 0, 9999) if "l" in self.words else 1) if m.get(CALLING) == 980 else None
         if self.words:
-            raise ProgramError(UNUSED, "{}", " ".join(letter.upper() + number(value) for letter, value in self.words.items()))
+            raise ProgramError(UNUSED, "{}", " ".join(letter.upper() + number_text(value) for letter, value in self.words.items()))
         if called:
             self.flow.call_program(*called)
         elif CALLING in m:
             self.flow.end_program()
-        return self._stops(m.get(STOPPING))
+        return self._stop_program(m.get(STOPPING))
 
-    def _groups(self, block):
+    def _group_codes(self, block):
         """({group: code} of the G codes, the same of the M codes). Raises ProgramError."""
         found = {}, {}
         for letter, codes, groups, kept in (("g", block.g, G_GROUPS, found[0]), ("m", block.m, M_GROUPS, found[1])):
             for code in codes:
-                text = f"{letter.upper()}{number(code / 10, 1)}"
+                text = f"{letter.upper()}{number_text(code / 10, 1)}"
                 if code not in groups:
                     why = NOT_ON_BOARD[letter].get(code)
                     raise ProgramError(UNABLE, "{}: {}", text, _(why)) if why else ProgramError(NOT_IN_DIALECT, "{}", text)
@@ -154,7 +154,7 @@ class Interpreter(Motions):
         """The motion that the line's axis words are for; None: nothing moves. Keeps the modal one."""
         commands = [code for code in g.values() if code in AXIS_COMMANDS]
         if len(commands) > 1:
-            raise ProgramError(TWO_COMMANDS, "{}", " ".join(f"G{number(code / 10, 1)}" for code in commands))
+            raise ProgramError(TWO_COMMANDS, "{}", " ".join(f"G{number_text(code / 10, 1)}" for code in commands))
         if MOTION in g:
             if g[MOTION] not in CYCLES or g[MOTION] != self.motion:
                 self.cycle = None
@@ -180,15 +180,15 @@ class Interpreter(Motions):
         elif self.feed_mode == 930 and motion in (10, 20, 30):
             raise ProgramError(NO_FEED, "with G93 each line has an F")
 
-    def _stops(self, code):
+    def _stop_program(self, code):
         """M0, M1, M2, M30, M60. True at the program's end."""
         if code is None:
             return False
         if code in (0, 10, 600):
-            self.path.word("M1" if code == 10 else "M0")
+            self.path.put_word("M1" if code == 10 else "M0")
             return False
         self.path.uncompensate()
-        self.path.word("M30" if code == 300 else "M2")
+        self.path.put_word("M30" if code == 300 else "M2")
         return True
 
     def not_compensated(self, what):
@@ -196,17 +196,17 @@ class Interpreter(Motions):
         if self.path.contour:
             raise ProgramError(COMPENSATED, "{}", what)
 
-    def take(self, letter):
+    def take_word(self, letter):
         """The value of a word that the command needs. Raises ProgramError if it is missing."""
         if letter not in self.words:
             raise ProgramError(MISSING, "{}", letter.upper())
         return self.words.pop(letter)
 
-    def whole(self, letter, low=0, high=1_000_000):
+    def take_whole(self, letter, low=0, high=1_000_000):
         """The same of a whole number."""
         if letter not in self.words:
             raise ProgramError(MISSING, "{}", letter.upper())
-        value = whole(self.words, letter, low, high)
+        value = whole_number(self.words, letter, low, high)
         del self.words[letter]
         return value
 

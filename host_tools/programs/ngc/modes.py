@@ -9,7 +9,7 @@ from host_tools.programs.program_errors import (
     MISSING, NOT_ON_BOARD, RANGE, TOOL, UNUSED, ProgramError,
 )  # fmt: skip
 from host_tools.programs.tool_table import Tool
-from host_tools.programs.toolpath import AXES, number
+from host_tools.programs.toolpath import AXES, number_text
 
 
 class Modes:
@@ -52,62 +52,62 @@ class Modes:
             self.spindle = {30: "M3", 40: "M4", 50: ""}[code]
         if rpm != self.rpm or code is not None:
             self.rpm = rpm
-            words = [f"S{number(rpm, 3)}"] if turned is not None else []
-            self.path.word(" ".join(words + ([f"M{code // 10}"] if code is not None else [])))
+            words = [f"S{number_text(rpm, 3)}"] if turned is not None else []
+            self.path.put_word(" ".join(words + ([f"M{code // 10}"] if code is not None else [])))
 
     def turn_spindle(self, rpm, spindle):
         """As it turned before."""
         self.rpm, self.spindle = rpm, spindle
-        self.path.word(f"S{number(rpm, 3)} {spindle or 'M5'}")
+        self.path.put_word(f"S{number_text(rpm, 3)} {spindle or 'M5'}")
 
     def set_tool(self, code):
         if "t" in self.words:
-            self.chosen = self.whole("t", 0, 255)
+            self.chosen = self.take_whole("t", 0, 255)
         if code == 60:
             self.not_compensated("M6")
             self.tool = self.chosen
-            self.path.word(f"M6 T{self.tool}")
+            self.path.put_word(f"M6 T{self.tool}")
         elif code == 610:
-            self.tool = self.whole("q", 0, 255)
+            self.tool = self.take_whole("q", 0, 255)
 
     def set_coolant(self, code, output):
         if code is not None:
-            self.path.word(f"M{code // 10}")
+            self.path.put_word(f"M{code // 10}")
             self.coolant = {*self.coolant, f"M{code // 10}"} if code != 90 else set()
         if output == 660:
-            self.wait()
+            self.wait_for_input()
         elif output in (100, 110):
-            self.path.word(f"M{output // 10}")
+            self.path.put_word(f"M{output // 10}")
         elif output is not None:
-            self.path.word(f"M{output // 10} P{self.whole('p', 0, 9)}")
+            self.path.put_word(f"M{output // 10} P{self.take_whole('p', 0, 9)}")
 
-    def wait(self):
+    def wait_for_input(self):
         """M66: the board waits for an input. Its result, #5399, is known to the machine only."""
         if "e" in self.words:
             raise ProgramError(NOT_ON_BOARD, "M66 E: {}", _("analogue inputs"))
-        port = self.whole("p", 0, 9)
-        what = self.whole("l", 0, 4) if "l" in self.words else 0
+        port = self.take_whole("p", 0, 9)
+        what = self.take_whole("l", 0, 4) if "l" in self.words else 0
         seconds = self.words.pop("q", 0)
         if what and seconds <= 0:
             raise ProgramError(RANGE, "Q{:g}", seconds)
-        self.path.word(f"M66 P{port} L{what}" + (f" Q{number(seconds)}" if what else ""))
+        self.path.put_word(f"M66 P{port} L{what}" + (f" Q{number_text(seconds)}" if what else ""))
 
-    def dwell(self):
-        seconds = self.take("p")
+    def put_dwell(self):
+        seconds = self.take_word("p")
         if seconds < 0:
             raise ProgramError(RANGE, "P{:g}", seconds)
-        self.path.word(f"G4 P{number(seconds)}")
+        self.path.put_word(f"G4 P{number_text(seconds)}")
 
     def set_cutter(self, code):
         if code == 400:
             self.path.uncompensate()
             return
         if code in (411, 421):
-            diameter = self.take("d") * self.scale
+            diameter = self.take_word("d") * self.scale
             self.words.pop("l", None)
         else:
             none = self.words.get("d") == 0
-            tool = self.whole("d", 0, 255) if "d" in self.words else self.tool
+            tool = self.take_whole("d", 0, 255) if "d" in self.words else self.tool
             if tool not in self.tools and not none:
                 raise ProgramError(TOOL, "D{}", tool)
             diameter = 0.0 if none else self.tools[tool].diameter
@@ -117,58 +117,58 @@ class Modes:
 
     def set_length(self, code):
         if code == 490:
-            self.lengthen(0.0, "G49")
+            self.set_tool_length(0.0, "G49")
         elif code == 430:
-            tool = self.whole("h", 0, 255) if "h" in self.words else self.tool
+            tool = self.take_whole("h", 0, 255) if "h" in self.words else self.tool
             if tool in self.tools:
-                self.lengthen(self.tools[tool].length)
+                self.set_tool_length(self.tools[tool].length)
             else:
-                self.lengthen(None, f"G43 H{tool}")
+                self.set_tool_length(None, f"G43 H{tool}")
         elif code == 431:
-            self.lengthen(self.take("z") * self.scale)
+            self.set_tool_length(self.take_word("z") * self.scale)
         else:
-            tool = self.whole("h", 0, 255)
+            tool = self.take_whole("h", 0, 255)
             if self.length[0] is None or tool not in self.tools:
                 raise ProgramError(TOOL, "H{}", tool)
-            self.lengthen(self.length[0] + self.tools[tool].length)
+            self.set_tool_length(self.length[0] + self.tools[tool].length)
 
-    def lengthen(self, mm, word=None):
+    def set_tool_length(self, mm, word=None):
         """Take a length of the tool, None if only the board knows it, by a word, G43.1 by default."""
-        self.length = mm, word or f"G43.1 Z{number(mm)}"
-        self.path.word(self.length[1])
-        self.path.forget((2,))
+        self.length = mm, word or f"G43.1 Z{number_text(mm)}"
+        self.path.put_word(self.length[1])
+        self.path.forget_axes((2,))
 
     def set_system(self, system):
         self.not_compensated(f"G{system}")
-        self.path.word(f"G{system}")
+        self.path.put_word(f"G{system}")
         if system - 53 != self.system:
-            self.path.forget()
+            self.path.forget_axes()
         self.system = system - 53
-        self.path.turn(self.turned.get(self.system, 0.0))
+        self.path.turn_coordinates(self.turned.get(self.system, 0.0))
 
-    def offsets(self, code):
+    def set_offsets(self, code):
         """G10, G28, G30, G92 and what belongs to them."""
-        self.not_compensated(f"G{number(code / 10, 1)}")
+        self.not_compensated(f"G{number_text(code / 10, 1)}")
         if code == 100:
             self._set_table()
         elif code in (281, 301):
-            self.path.word(f"G{number(code / 10, 1)}")
+            self.path.put_word(f"G{number_text(code / 10, 1)}")
         elif code in (280, 300):
             self._go_home(code // 10)
         elif code == 920:
             if self.turned.get(self.system):
                 raise ProgramError(NOT_ON_BOARD, "G92 in turned coordinates")
             self.shifted = True
-            positions = self._axes()
-            self.path.word("G92 " + self._text(positions))
+            positions = self._axis_values()
+            self.path.put_word("G92 " + self._position_words(positions))
             for axis, value in positions.items():
                 self.path.now_at(axis, value)
         else:
             self.shifted = False
-            self.path.word("G92.1")
-            self.path.forget()
+            self.path.put_word("G92.1")
+            self.path.forget_axes()
 
-    def unit(self, axis):
+    def unit_mm(self, axis):
         """mm, of A degrees, that a word's number counts."""
         if axis < 3 or self.linear:
             return self.scale
@@ -176,61 +176,61 @@ class Modes:
             self.path.listing.turns_in_inches = True
         return 1.0
 
-    def turns(self, axes):
+    def moves_a_alone(self, axes):
         """True if A alone moves, and counts degrees."""
         return list(axes) == [3] and not self.linear
 
-    def _axes(self):
+    def _axis_values(self):
         """{axis: mm, of A degrees} of the axis words."""
-        found = {axis: self.words.pop(name.lower()) * self.unit(axis) for axis, name in enumerate(AXES) if name.lower() in self.words}
+        found = {axis: self.words.pop(name.lower()) * self.unit_mm(axis) for axis, name in enumerate(AXES) if name.lower() in self.words}
         if not found:
-            self.take("x")
+            self.take_word("x")
         return found
 
     @staticmethod
-    def _text(positions):
-        return " ".join(AXES[axis] + number(value) for axis, value in positions.items())
+    def _position_words(positions):
+        return " ".join(AXES[axis] + number_text(value) for axis, value in positions.items())
 
     def _go_home(self, code):
         if not any(letter in self.words for letter in "xyza"):
-            self.path.word(f"G{code}")
-            self.path.forget()
+            self.path.put_word(f"G{code}")
+            self.path.forget_axes()
             return
-        between = self.target()
-        self.path.move(between, True, relative=not self.absolute)
+        between = self.take_target()
+        self.path.move_to(between, True, relative=not self.absolute)
         axes = [axis for axis, value in enumerate(between) if value is not None]
-        self.path.word(f"G91 G{code} " + " ".join(AXES[axis] + "0" for axis in axes))
-        self.path.word("G90")
-        self.path.forget(axes)
+        self.path.put_word(f"G91 G{code} " + " ".join(AXES[axis] + "0" for axis in axes))
+        self.path.put_word("G90")
+        self.path.forget_axes(axes)
 
     def _set_table(self):
-        table = self.whole("l")
+        table = self.take_whole("l")
         if table in (1, 10, 11):
-            self._set_tool_table(self.whole("p", 1, 255), table)
+            self._set_tool_table(self.take_whole("p", 1, 255), table)
             return
         if table not in (2, 20):
             raise ProgramError(NOT_ON_BOARD, "G10 L{}", table)
-        system = self.whole("p", 0, 6)
-        self._turn(system or self.system, table)
+        system = self.take_whole("p", 0, 6)
+        self._turn_system(system or self.system, table)
         degrees = self.turned.get(system or self.system, 0.0)
         if table == 2 and not any(letter in self.words for letter in "xyza"):
             return
-        positions = self._axes()
+        positions = self._axis_values()
         if table == 20 and degrees and (0 in positions or 1 in positions):
             self._set_turned(positions, system or self.system, degrees)
-        self.path.word(f"G10 L{table} P{system} {self._text(positions)}")
+        self.path.put_word(f"G10 L{table} P{system} {self._position_words(positions)}")
         if system in (0, self.system):
             if degrees and (0 in positions or 1 in positions):
-                self.path.forget((0, 1))
+                self.path.forget_axes((0, 1))
             for axis, value in positions.items():
                 if table == 20:
                     self.path.now_at(axis, value)
                 else:
-                    self.path.forget((axis,))
+                    self.path.forget_axes((axis,))
             if table == 20 and degrees:
                 self.path.turn_place()
 
-    def _turn(self, system, table):
+    def _turn_system(self, system, table):
         """R of G10: how far a system is turned."""
         if "r" not in self.words:
             return
@@ -241,7 +241,7 @@ class Modes:
             raise ProgramError(NOT_ON_BOARD, "turned coordinates with G92")
         self.turned[system] = degrees
         if system == self.system:
-            self.path.turn(degrees)
+            self.path.turn_coordinates(degrees)
 
     def _set_turned(self, positions, system, degrees):
         """G10 L20 in a system that is turned: the board's are not, so it gets both of X and Y."""

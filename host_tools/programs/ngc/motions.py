@@ -5,11 +5,11 @@ import math
 from host_tools.programs.drilling import Cycle
 from host_tools.programs.ngc.codes import CYCLES, PROBES, SPLINES
 from host_tools.programs.ngc.modes import Modes
-from host_tools.programs.ngc.splines import bezier, flat, nurbs
+from host_tools.programs.ngc.splines import bezier, flatten_curve, nurbs
 from host_tools.programs.program_errors import (
     ARC, MISSING, NO_FEED, NO_SPINDLE, NOT_ON_BOARD, PLANE, RANGE, ProgramError,
 )  # fmt: skip
-from host_tools.programs.toolpath import AXES, PLANES, centre_of, number, sweep_of
+from host_tools.programs.toolpath import AXES, PLANES, centre_of, number_text, sweep_of
 
 
 _SPLINE_SAG_MM = 0.002
@@ -19,21 +19,21 @@ _SLACK = 0.02 * math.sqrt(2)  # mm: tolerance of LinuxCNC's arcs; in inches a te
 class Motions(Modes):
     """The part of Interpreter that moves."""
 
-    def target(self):
+    def take_target(self):
         """The position that the axis words name: mm of X, Y, Z, degrees of A; None where there is no word. Takes the words."""
         position = []
         for axis, name in enumerate("xyza"):
             value = self.words.pop(name, None)
             if value is not None:
-                value *= self.unit(axis)
+                value *= self.unit_mm(axis)
                 if not self.absolute:
                     value += self.path.position(axis)
             position.append(value)
         if "@" in self.words or "^" in self.words:
-            self._polar(position)
+            self._apply_polar(position)
         return position
 
-    def _polar(self, position):
+    def _apply_polar(self, position):
         """@ and ^: distance from the program's zero, or with G91 from the circle through the position, and angle."""
         if position[0] is not None or position[1] is not None:
             raise ProgramError(RANGE, "@ and ^ in place of X and Y")
@@ -50,41 +50,41 @@ class Motions(Modes):
             turned = before[1] + (angle or 0.0)
         position[0], position[1] = radius * math.cos(math.radians(turned)), radius * math.sin(math.radians(turned))
 
-    def move(self, motion, of_machine):
+    def put_motion(self, motion, of_machine):
         """One line's motion; `of_machine`: G53."""
         if self.nurbs and motion not in (52, 53):
             raise ProgramError(MISSING, "G5.3")
         if "a" in self.words and motion not in (0, 10, *PROBES):
-            raise ProgramError(NOT_ON_BOARD, "A with G{}: lines alone move it", number(motion / 10, 1))
+            raise ProgramError(NOT_ON_BOARD, "A with G{}: lines alone move it", number_text(motion / 10, 1))
         leaving, self.leaving = self.leaving, None
         if of_machine:
             self._move_machine(motion)
         elif motion in (*SPLINES, 53):
-            self._spline(motion, leaving)
+            self._put_spline(motion, leaving)
         elif motion in CYCLES:
-            self._cycle(motion)
+            self._put_cycle(motion)
         elif motion in (20, 30):
-            self._arc(motion == 20)
+            self._put_arc(motion == 20)
         elif motion in PROBES:
-            self._probe(motion)
+            self._put_probe(motion)
         else:
-            self._line(self.target(), motion == 0)
+            self._put_line(self.take_target(), motion == 0)
 
-    def _line(self, target, rapid):
+    def _put_line(self, target, rapid):
         if target == [None] * 4:
             return
         if rapid:
-            self.path.move(target, True, relative=not self.absolute)
+            self.path.move_to(target, True, relative=not self.absolute)
             return
-        moved = self.path.changes(target)
-        turns = self.turns(moved)
-        length = self._distance(self.path.place, target, moved)
+        moved = self.path.axes_to_move(target)
+        turns = self.moves_a_alone(moved)
+        length = self._line_length(self.path.place, target, moved)
         # F counts otherwise where A turns and where it is linear, and a feed of next to nothing says badly how long A takes: G93 stays.
         inverse = self.feed_mode == 930 and 3 in moved and (length is None or not turns)
-        self.path.move(target, False, self._feed_of(1.0 if inverse else length, turns), inverse, not self.absolute)
+        self.path.move_to(target, False, self._feed_of(1.0 if inverse else length, turns), inverse, not self.absolute)
 
     @staticmethod
-    def _distance(before, target, moved):
+    def _line_length(before, target, moved):
         """Length of a straight line that moves these axes, in mm, of A alone in degrees; None if a start is not known."""
         return None if any(before[axis] is None for axis in moved) else math.hypot(*(target[axis] - before[axis] for axis in moved))
 
@@ -109,74 +109,74 @@ class Motions(Modes):
         self.not_compensated("G53")
         if not self.absolute:
             raise ProgramError(RANGE, "G53 with G91")
-        positions = self._axes()
+        positions = self._axis_values()
         if motion == 10 and self.feed_mode != 940:
             raise ProgramError(NO_FEED, "G53 G1 wants G94")
-        feed = "" if motion == 0 else f" F{number(self._feed_of(None, self.turns(positions)), 3)}"
-        self.path.word(f"G53 G{motion // 10} {self._text(positions)}{feed}")
-        self.path.forget(positions)
+        feed = "" if motion == 0 else f" F{number_text(self._feed_of(None, self.moves_a_alone(positions)), 3)}"
+        self.path.put_word(f"G53 G{motion // 10} {self._position_words(positions)}{feed}")
+        self.path.forget_axes(positions)
 
-    def _probe(self, code):
+    def _put_probe(self, code):
         self.not_compensated("G38")
         if self.turned.get(self.system):
             raise ProgramError(NOT_ON_BOARD, "G38 in turned coordinates")
-        target = self.target()
+        target = self.take_target()
         axes = [axis for axis, value in enumerate(target) if value is not None]
         if not axes:
             raise ProgramError(MISSING, "X, Y, Z or A")
         here = self.path.place
         relative = not self.absolute and target[3] is not None
-        positions = " ".join(AXES[axis] + number(target[axis] - (here[axis] if relative else 0.0)) for axis in axes)
-        feed = number(self._feed_of(None, self.turns(self.path.changes(target))), 3)
-        self.path.word(f"{'G91 ' * relative}G{code / 10:g} {positions} F{feed}")
+        positions = " ".join(AXES[axis] + number_text(target[axis] - (here[axis] if relative else 0.0)) for axis in axes)
+        feed = number_text(self._feed_of(None, self.moves_a_alone(self.path.axes_to_move(target))), 3)
+        self.path.put_word(f"{'G91 ' * relative}G{code / 10:g} {positions} F{feed}")
         if relative:
-            self.path.word("G90")
-        self.path.forget(axes)
+            self.path.put_word("G90")
+        self.path.forget_axes(axes)
 
     # --- splines
 
-    def _spline(self, code, leaving):
+    def _put_spline(self, code, leaving):
         if self.plane != 17:
             raise ProgramError(PLANE, "splines")
         here = complex(self.path.position(0), self.path.position(1))
         if code == 50:
-            way = self._way("i", "j", leaving)
-            back = self._way("p", "q")
-            end = self._end(here)
+            way = self._take_pair("i", "j", leaving)
+            back = self._take_pair("p", "q")
+            end = self._spline_end(here)
             self.leaving = -back
-            self._along(bezier([here, here + way, end + back, end]), 1)
+            self._follow_curve(bezier([here, here + way, end + back, end]), 1)
         elif code == 51:
-            way = self._way("i", "j")
-            end = self._end(here)
-            self._along(bezier([here, here + way, end]), 1)
+            way = self._take_pair("i", "j")
+            end = self._spline_end(here)
+            self._follow_curve(bezier([here, here + way, end]), 1)
         elif code == 52:
-            self._control(here)
+            self._add_control(here)
         else:
             self._close_nurbs()
 
-    def _way(self, first, second, otherwise=None):
+    def _take_pair(self, first, second, otherwise=None):
         """The values of two words, mm; `otherwise` if there is neither. Raises ProgramError."""
         if otherwise is not None and first not in self.words and second not in self.words:
             return otherwise
-        return complex(self.take(first), self.take(second)) * self.scale
+        return complex(self.take_word(first), self.take_word(second)) * self.scale
 
-    def _end(self, here):
-        target = self.target()
+    def _spline_end(self, here):
+        target = self.take_target()
         if target[2] is not None:
             raise ProgramError(RANGE, "splines lie in XY")
         if target[0] is None and target[1] is None:
             raise ProgramError(MISSING, "X or Y")
         return complex(*(old if new is None else new for old, new in zip((here.real, here.imag), target)))
 
-    def _control(self, here):
+    def _add_control(self, here):
         weight = self.words.pop("p", 1.0)
         if weight <= 0:
             raise ProgramError(RANGE, "P{:g}", weight)
         if self.nurbs is None:
-            self.order = self.whole("l", 2, 10) if "l" in self.words else 3
+            self.order = self.take_whole("l", 2, 10) if "l" in self.words else 3
             self.nurbs = [(here, 1.0)]
         if any(letter in self.words for letter in "xyz@^"):
-            self.nurbs.append((self._end(self.nurbs[-1][0]), weight))
+            self.nurbs.append((self._spline_end(self.nurbs[-1][0]), weight))
         else:
             self.nurbs[-1] = self.nurbs[-1][0], weight
 
@@ -187,23 +187,23 @@ class Motions(Modes):
             raise ProgramError(MISSING, "G5.2")
         if len(points) < self.order:
             raise ProgramError(RANGE, "{} control points, L{}", len(points), self.order)
-        self._along(*nurbs([point for point, _ in points], [weight for _, weight in points], self.order))
+        self._follow_curve(*nurbs([point for point, _ in points], [weight for _, weight in points], self.order))
 
-    def _along(self, curve, end):
-        points = flat(curve, end, _SPLINE_SAG_MM)
+    def _follow_curve(self, curve, end):
+        points = flatten_curve(curve, end, _SPLINE_SAG_MM)
         ends = [curve(0), *points]
         feed = self._feed_of(sum(abs(b - a) for a, b in zip(ends, points)))
         for point in points:
-            self.path.move([point.real, point.imag, None], False, feed)
+            self.path.move_to([point.real, point.imag, None], False, feed)
 
     # --- arcs
 
-    def _arc(self, clockwise):
+    def _put_arc(self, clockwise):
         first, second, third = PLANES[self.plane]
         begin = [self.path.position(first), self.path.position(second)]
         height = self.path.place[third]
-        target = self.target()
-        turns = self.whole("p", 1) if "p" in self.words else 1
+        target = self.take_target()
+        turns = self.take_whole("p", 1) if "p" in self.words else 1
         end = [begin[0] if target[first] is None else target[first], begin[1] if target[second] is None else target[second]]
         if "r" in self.words:
             if target[first] is None and target[second] is None:
@@ -212,26 +212,26 @@ class Motions(Modes):
             centre = centre_of(begin, end, radius, clockwise)
             sweep = sweep_of(begin, end, centre, clockwise, radius < 0)
         else:
-            centre = self._centre(first, second, begin)
+            centre = self._take_centre(first, second, begin)
             sweep = sweep_of(begin, end, centre, clockwise)
         radius = math.hypot(*centre)
         rise = 0.0 if target[third] is None or height is None else target[third] - height
         feed = self._feed_of(math.hypot(radius * (sweep + math.tau * (turns - 1)), rise))
         target[first], target[second] = end
-        self.path.arc(self.plane, clockwise, target, centre, feed, turns, sweep, _SLACK * self.scale / (10 if self.scale > 1 else 1))
+        self.path.arc_to(self.plane, clockwise, target, centre, feed, turns, sweep, _SLACK * self.scale / (10 if self.scale > 1 else 1))
 
-    def _centre(self, first, second, begin):
+    def _take_centre(self, first, second, begin):
         """The centre by I, J, K, in mm from the start."""
         letters = "ijk"[first], "ijk"[second]
         if not any(letter in self.words for letter in letters):
             raise ProgramError(ARC, "R, or {} and {}", letters[0].upper(), letters[1].upper())
         if self.arc_absolute:
-            return [self.take(letter) * self.scale - start for letter, start in zip(letters, begin)]
+            return [self.take_word(letter) * self.scale - start for letter, start in zip(letters, begin)]
         return [self.words.pop(letter, 0.0) * self.scale for letter in letters]
 
     # --- canned cycles
 
-    def _cycle(self, code):
+    def _put_cycle(self, code):
         self.not_compensated("a canned cycle")
         if self.feed_mode == 930:
             raise ProgramError(NO_FEED, "a canned cycle with G93")
@@ -249,13 +249,13 @@ class Motions(Modes):
             if letter not in kept:
                 raise ProgramError(MISSING, "{}", letter.upper())
         self.cycle = kept
-        times = self.whole("l", 1) if "l" in words else 1
+        times = self.take_whole("l", 1) if "l" in words else 1
         height = self.path.position(third)
         self.level = height if self.level is None else self.level
         above = kept["r"] if self.absolute else self.level + kept["r"]
         bottom = kept[along] if self.absolute else above + kept[along]
         if bottom > above:
-            raise ProgramError(RANGE, "{}{} is above R{}", along.upper(), number(bottom), number(above))
+            raise ProgramError(RANGE, "{}{} is above R{}", along.upper(), number_text(bottom), number_text(above))
         if kept.get("q", 1.0) <= 0:
             raise ProgramError(RANGE, "Q{:g}", kept["q"])
         if kept.get("p", 0.0) < 0:
@@ -272,9 +272,9 @@ class Motions(Modes):
         if height < above:
             target = [None] * 3
             target[third] = above
-            self.path.move(target, True)
+            self.path.move_to(target, True)
         cycle.over = cycle.back if cycle.back is not None and cycle.back > height else None
         for turn in range(times):
             words.update(way)
-            to = self.target()
-            cycle.hole(self.path, [self.path.place[axis] if to[axis] is None else to[axis] for axis in (first, second)])
+            to = self.take_target()
+            cycle.put_hole(self.path, [self.path.place[axis] if to[axis] is None else to[axis] for axis in (first, second)])

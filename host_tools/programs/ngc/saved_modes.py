@@ -2,7 +2,7 @@
 
     saved = SavedModes(modes)
     saved.carry_out(700)        # M70 keeps; M71 forgets, M72 goes back, M73 keeps until the subroutine returns
-    saved.enter(); saved.leave()        # around each call: a subroutine has a state of its own
+    saved.enter_call(); saved.leave_call()        # around each call: a subroutine has a state of its own
 
 Kept are units, plane, G90 and G90.1, feed mode, F, work offsets, tool length, G98, S, M3 to M5, M7 to M9. The motion that holds (G1) is not.
 The lines that go back are plain G-code: nothing is kept on the board. G40 comes back, G41 and G42 do not.
@@ -26,25 +26,25 @@ class SavedModes:
             state = self._levels[-1][0]
             if state is None:
                 raise ProgramError(NOT_KEPT)
-            self._restore(state)
+            self._restore_state(state)
         else:
-            self._levels[-1] = None if code == FORGET else self._state(), code == SAVE_FOR_CALL
+            self._levels[-1] = None if code == FORGET else self._modal_state(), code == SAVE_FOR_CALL
 
-    def enter(self):
+    def enter_call(self):
         self._levels.append((None, False))
 
-    def leave(self):
+    def leave_call(self):
         """Raises ProgramError."""
         state, at_end = self._levels.pop()
         if at_end:
-            self._restore(state)
+            self._restore_state(state)
 
-    def _state(self):
+    def _modal_state(self):
         modes = self._modes
         fields = {name: getattr(modes, name) for name in _FIELDS}
         return fields, bool(modes.path.contour), modes.system, modes.length, (modes.rpm, modes.spindle), modes.coolant
 
-    def _restore(self, state):
+    def _restore_state(self, state):
         modes, path = self._modes, self._modes.path
         fields, compensated, system, length, turning, coolant = state
         if path.contour and not compensated:
@@ -58,11 +58,11 @@ class SavedModes:
         if length != modes.length:
             if length[1] is None:
                 raise ProgramError(NOT_ON_BOARD, "M72: {}", _("a tool length that the program had not set"))
-            modes.lengthen(*length)
+            modes.set_tool_length(*length)
         if turning != (modes.rpm, modes.spindle):
             modes.turn_spindle(*turning)
         if coolant != modes.coolant:
             modes.coolant = coolant
-            path.word("M9")
+            path.put_word("M9")
             for word in sorted(coolant):
-                path.word(word)
+                path.put_word(word)

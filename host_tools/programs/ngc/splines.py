@@ -1,6 +1,6 @@
 """Splines as points whose chords stay near them: Bézier curves of G5 and G5.1, NURBS of G5.2.
 
-    points = flat(bezier([0, 1 + 1j, 2 + 1j, 3]), 1, 0.002)     # a function of 0 … 1
+    points = flatten_curve(bezier([0, 1 + 1j, 2 + 1j, 3]), 1, 0.002)     # a function of 0 … 1
 
 Points are complex numbers, x + y·j, in mm.
 """
@@ -12,13 +12,13 @@ _PIECES = 8  # that a curve has at least: a wave may cross its chord in the midd
 def bezier(controls):
     """The curve of these control points: a function of 0 … 1."""
 
-    def point(share):
+    def point_at(share):
         row = list(controls)
         while len(row) > 1:
             row = [a + (b - a) * share for a, b in zip(row, row[1:])]
         return row[0]
 
-    return point
+    return point_at
 
 
 def nurbs(controls, weights, order):
@@ -28,7 +28,7 @@ def nurbs(controls, weights, order):
     knots = [0] * order + list(range(1, count)) + [count] * order
     weighted = [(control * weight, weight) for control, weight in zip(controls, weights)]
 
-    def point(at):
+    def point_at(at):
         span = min(int(at), count - 1) + order - 1
         row = weighted[span - order + 1 : span + 1]
         for level in range(1, order):  # de Boor
@@ -40,30 +40,30 @@ def nurbs(controls, weights, order):
             row = made
         return row[0][0] / row[0][1]
 
-    return point, count
+    return point_at, count
 
 
-def flat(point, end, sag):
+def flatten_curve(point, end, sag):
     """Points of the curve from 0 to `end`, its start left out, whose chords are at most about `sag` mm away from it."""
     found = []
     pieces = _PIECES * end
     for number in range(pieces):
         low, high = number * end / pieces, (number + 1) * end / pieces
-        _halve(point, low, high, point(low), point(high), sag, found, 0)
+        _halve_span(point, low, high, point(low), point(high), sag, found, 0)
     return found
 
 
-def _halve(point, low, high, begin, last, sag, found, depth):
+def _halve_span(point, low, high, begin, last, sag, found, depth):
     middle = (low + high) / 2
     half = point(middle)
-    if depth == _DEEPEST or _off(half, begin, last) <= sag:
+    if depth == _DEEPEST or _distance_off(half, begin, last) <= sag:
         found.append(last)
         return
-    _halve(point, low, middle, begin, half, sag, found, depth + 1)
-    _halve(point, middle, high, half, last, sag, found, depth + 1)
+    _halve_span(point, low, middle, begin, half, sag, found, depth + 1)
+    _halve_span(point, middle, high, half, last, sag, found, depth + 1)
 
 
-def _off(place, begin, end):
+def _distance_off(place, begin, end):
     """How far `place` is from the line between two others."""
     chord = end - begin
     if not chord:

@@ -24,17 +24,17 @@ class State:
     def has(self, name):
         if isinstance(name, int):
             return name in self._told or 0 < name <= MOST
-        return name in self._told or name in self._home(name)
+        return name in self._told or name in self._scope_of(name)
 
     def get(self, name):
         """The value of a parameter: a number, or a name without its brackets. Raises ProgramError."""
         if name in self._told:
             return float(self._told[name]())
         if not isinstance(name, int):
-            if name not in self._home(name):
+            if name not in self._scope_of(name):
                 raise ProgramError(PARAMETER, "#<{}>", name)
-            return self._home(name)[name]
-        self._check(name)
+            return self._scope_of(name)[name]
+        self._check_number(name)
         if name not in self._numbered and any(low <= name <= high for low, high in _MACHINE):
             raise ProgramError(MACHINE_ONLY, "#{}", name)
         return self._numbered.get(name, 0.0)
@@ -43,20 +43,20 @@ class State:
         if name in self._told:
             raise ProgramError(PARAMETER, "#{} cannot be set", name if isinstance(name, int) else "<" + name + ">")
         if isinstance(name, int):
-            self._check(name)
+            self._check_number(name)
             self._numbered[name] = value
         else:
-            self._home(name)[name] = value
+            self._scope_of(name)[name] = value
 
-    def _home(self, name):
+    def _scope_of(self, name):
         return self._globals if name.startswith("_") else self._names[-1]
 
     @staticmethod
-    def _check(number):
+    def _check_number(number):
         if not 0 < number <= MOST:
             raise ProgramError(PARAMETER, "#{}", number)
 
-    def enter(self, arguments):
+    def enter_call(self, arguments):
         """A subroutine is called."""
         self._saved.append([self._numbered.get(number, 0.0) for number in LOCALS])
         self._names.append({})
@@ -65,7 +65,7 @@ class State:
         self._numbered.update(enumerate(arguments, 1))
         self._globals.update(_value=0.0, _value_returned=0.0)
 
-    def leave(self, value):
+    def leave_call(self, value):
         """It returns, with a value or None."""
         self._numbered.update(zip(LOCALS, self._saved.pop()))
         self._names.pop()

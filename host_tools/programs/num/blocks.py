@@ -36,15 +36,15 @@ class Variables:
         self._values = {}
 
     def get(self, number):
-        self._check(number)
+        self._check_number(number)
         return self._values.get(number, 0.0)
 
     def set(self, number, value):
-        self._check(number)
+        self._check_number(number)
         self._values[number] = value
 
     @staticmethod
-    def _check(number):
+    def _check_number(number):
         if not any(number in each for each in VARIABLES):
             raise ProgramError(PARAMETER, "L{}: L0 to L19, L100 to L199, L900 to L959", number)
 
@@ -58,7 +58,7 @@ class Block:
         self.condition = None  # of G79: True or False; None if there is none
 
 
-def clean(line):
+def clean_line(line):
     """A line without comments and blanks, in capitals."""
     return re.sub(r"\s", "", re.sub(r"\([^)]*\)?", "", line)).upper()
 
@@ -66,10 +66,10 @@ def clean(line):
 def number_of(text):
     """The N of a cleaned line, or None."""
     found = re.match(r"/?N([0-9]+)", text)
-    return whole(found[1]) if found else None
+    return whole_number(found[1]) if found else None
 
 
-def whole(digits):
+def whole_number(digits):
     """The number of these digits. Raises ProgramError if there are more than a controller takes."""
     if len(digits) > _DIGITS:
         raise ProgramError(RANGE, "{} digits at most", _DIGITS)
@@ -78,7 +78,7 @@ def whole(digits):
 
 def read(text, variables):
     """The Block of a cleaned line. Raises ProgramError."""
-    return _Reader(text.lstrip("/"), variables).block()
+    return _Reader(text.lstrip("/"), variables).read_block()
 
 
 class _Reader:
@@ -88,7 +88,7 @@ class _Reader:
         self._at = 0
         self._depth = 0  # of functions inside each other
 
-    def block(self):
+    def read_block(self):
         block = Block()
         assigned = []
         while self._at < len(self._text):
@@ -96,13 +96,13 @@ class _Reader:
             pair = self._text[self._at : self._at + 2]
             if letter == "N":
                 labels = self._at == 0
-                number = self._code()
+                number = self._read_code()
                 if not labels:
                     block.targets.append(number)
             elif letter in "GM":
-                (block.g if letter == "G" else block.m).append(self._code())
+                (block.g if letter == "G" else block.m).append(self._read_code())
             elif letter == "L":
-                self._variable(block, assigned)
+                self._read_variable(block, assigned)
             elif pair in _PAIRS or letter in _LETTERS:
                 name = pair if pair in _PAIRS else letter
                 self._at += len(name)
@@ -110,53 +110,53 @@ class _Reader:
                     raise ProgramError(REPEATED, "{}", name)
                 block.words[name] = self._number_with_sign()
             else:
-                raise ProgramError(NOT_IN_DIALECT if letter.isalpha() else SYNTAX, "{}", self._rest())
+                raise ProgramError(NOT_IN_DIALECT if letter.isalpha() else SYNTAX, "{}", self._rest_text())
         for number, value in assigned:
             self._variables.set(number, value)
         return block
 
-    def _variable(self, block, assigned):
+    def _read_variable(self, block, assigned):
         """`L1=…`, or a condition behind G79."""
         if 79 in block.g:
-            block.condition = self._condition()
+            block.condition = self._read_condition()
             return
         self._at += 1
-        number = self._whole()
-        if not self._take("="):
-            raise ProgramError(SYNTAX, "= before {}", self._rest())
-        assigned.append((number, self._expression()))
+        number = self._read_whole()
+        if not self._take_text("="):
+            raise ProgramError(SYNTAX, "= before {}", self._rest_text())
+        assigned.append((number, self._read_expression()))
 
-    def _condition(self):
-        truth = self._comparison()
+    def _read_condition(self):
+        truth = self._read_comparison()
         while True:
-            if self._take("&"):
-                truth = self._comparison() and truth
-            elif self._take("!"):
-                truth = self._comparison() or truth
+            if self._take_text("&"):
+                truth = self._read_comparison() and truth
+            elif self._take_text("!"):
+                truth = self._read_comparison() or truth
             else:
                 return truth
 
-    def _comparison(self):
-        left = self._expression()
+    def _read_comparison(self):
+        left = self._read_expression()
         for name, compare in _COMPARISONS.items():
-            if self._take(name):
-                return compare(left, self._expression())
-        raise ProgramError(SYNTAX, "= < > <= >= or <> before {}", self._rest())
+            if self._take_text(name):
+                return compare(left, self._read_expression())
+        raise ProgramError(SYNTAX, "= < > <= >= or <> before {}", self._rest_text())
 
-    def _expression(self):
+    def _read_expression(self):
         value = self._number_with_sign()
         added = False
         while True:
-            if self._take("+"):
-                value, added = value + self._term(), True
-            elif self._take("-"):
-                value, added = value - self._term(), True
-            elif added and self._rest()[0] in "*/":
+            if self._take_text("+"):
+                value, added = value + self._read_term(), True
+            elif self._take_text("-"):
+                value, added = value - self._read_term(), True
+            elif added and self._rest_text()[0] in "*/":
                 raise ProgramError(SYNTAX, "* or / behind + or -: make two assignments of it")
-            elif self._take("*"):
-                value *= self._term()
-            elif self._take("/"):
-                divisor = self._term()
+            elif self._take_text("*"):
+                value *= self._read_term()
+            elif self._take_text("/"):
+                divisor = self._read_term()
                 if divisor == 0:
                     raise ProgramError(DIVISION)
                 value /= divisor
@@ -166,15 +166,15 @@ class _Reader:
                 return value
 
     def _number_with_sign(self):
-        if self._take("-"):
-            return -self._term()
-        self._take("+")
-        return self._term()
+        if self._take_text("-"):
+            return -self._read_term()
+        self._take_text("+")
+        return self._read_term()
 
-    def _term(self):
-        if self._take("L"):
-            return self._variables.get(self._whole())
-        letter = self._rest()[0]
+    def _read_term(self):
+        if self._take_text("L"):
+            return self._variables.get(self._read_whole())
+        letter = self._rest_text()[0]
         if letter in _FUNCTIONS:
             self._at += 1
             self._depth += 1
@@ -185,30 +185,30 @@ class _Reader:
             if letter == "R" and argument < 0:
                 raise ProgramError(DOMAIN, "R{:g}", argument)
             return float(_FUNCTIONS[letter](argument))
-        value = float(self._match(_NUMBER))
+        value = float(self._match_pattern(_NUMBER))
         if math.isinf(value):
             raise ProgramError(DOMAIN, "a number without bounds")
         return value
 
-    def _code(self):
+    def _read_code(self):
         self._at += 1
-        return self._whole()
+        return self._read_whole()
 
-    def _whole(self):
-        return whole(self._match(_WHOLE))
+    def _read_whole(self):
+        return whole_number(self._match_pattern(_WHOLE))
 
-    def _match(self, pattern):
+    def _match_pattern(self, pattern):
         found = pattern.match(self._text, self._at)
         if not found:
-            raise ProgramError(SYNTAX, "a number before {}", self._rest())
+            raise ProgramError(SYNTAX, "a number before {}", self._rest_text())
         self._at = found.end()
         return found[0]
 
-    def _take(self, text):
+    def _take_text(self, text):
         if not self._text.startswith(text, self._at):
             return False
         self._at += len(text)
         return True
 
-    def _rest(self):
+    def _rest_text(self):
         return self._text[self._at : self._at + 12] or "the end of the block"

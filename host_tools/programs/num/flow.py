@@ -1,13 +1,13 @@
 """The order in which the blocks of a NUM program are carried out: subprograms and jumps.
 
     flow = Flow("part.num", text, bound)
-    for source, block in flow: …        # flow.jump(…) and flow.call(…) change what comes next
+    for source, block in flow: …        # flow.jump_to(…) and flow.call_program(…) change what comes next
 
 A file has one program or several; `%100` begins the one that `G77 H100` calls. The first is carried out.
 """
 
 from host_tools.programs.listing import Source
-from host_tools.programs.num.blocks import clean, number_of, whole
+from host_tools.programs.num.blocks import clean_line, number_of, whole_number
 from host_tools.programs.program_errors import (
     DEPTH, ENDLESS, LABEL, NO_BLOCK, NO_PROGRAM, SYNTAX, ProgramError,
 )  # fmt: skip
@@ -28,7 +28,7 @@ def _read_at(read, text, source):
     try:
         return read(text)
     except ProgramError as error:
-        raise error.at(source)
+        raise error.name_place(source)
 
 
 class _Run:
@@ -48,9 +48,9 @@ class Flow:
         main = part = None
         for line, row in enumerate(self.texts[name], 1):
             source = Source(name, line)
-            words = clean(row)
+            words = clean_line(row)
             if words.startswith("%"):
-                part = self._parts[self._label(words[1:] or "0", source)] = _Part()
+                part = self._parts[self._parse_label(words[1:] or "0", source)] = _Part()
             elif words and not (skip and words.startswith("/")):
                 part = part or self._parts.setdefault(0, _Part())
                 main = main or part
@@ -62,11 +62,11 @@ class Flow:
                 part.rows.append((source, words))
         self._runs = [_Run(main, 0, len(main.rows) - 1, 0)] if main else []
 
-    def _label(self, label, source):
+    def _parse_label(self, label, source):
         """The number behind a %."""
         if not (label.isascii() and label.isdigit()):
             raise ProgramError(SYNTAX, "% and a number before {}", "%" + label, place=source)
-        number = _read_at(whole, label, source)
+        number = _read_at(whole_number, label, source)
         if number in self._parts and self._parts[number].rows:
             raise ProgramError(LABEL, "%{}", label, place=source)
         return number
@@ -91,10 +91,10 @@ class Flow:
         """The program ends here."""
         self._runs = []
 
-    def jump(self, number):
+    def jump_to(self, number):
         """G79: go on at block `number` of the program under way. A jump out of blocks that are repeated ends the repetition."""
         run = self._runs[-1]
-        at = self._find(run.part, number)
+        at = self._index_of(run.part, number)
         while not run.first <= at <= run.last:
             if len(self._runs) < 2 or self._runs[-2].part is not run.part:
                 raise ProgramError(NO_BLOCK, "N{} is outside of the blocks that are called", number)
@@ -102,14 +102,14 @@ class Flow:
             run = self._runs[-1]
         run.at = at
 
-    def call(self, program, numbers, times):
+    def call_program(self, program, numbers, times):
         """G77: a program, or None for this one, as a whole or from one block to another."""
         part = self._runs[-1].part
         if program is not None:
             if program not in self._parts:
                 raise ProgramError(NO_PROGRAM, "%{}", program)
             part = self._parts[program]
-        places = [self._find(part, number) for number in numbers]
+        places = [self._index_of(part, number) for number in numbers]
         first, last = (places + [places[-1]])[:2] if places else (0, len(part.rows) - 1)
         if last < first:
             raise ProgramError(NO_BLOCK, "N{} stands before N{}", numbers[1], numbers[0])
@@ -118,7 +118,7 @@ class Flow:
         self._runs.append(_Run(part, first, last, times))
 
     @staticmethod
-    def _find(part, number):
+    def _index_of(part, number):
         if number not in part.numbers:
             raise ProgramError(NO_BLOCK, "N{}", number)
         return part.numbers[number]

@@ -18,7 +18,7 @@ from host_tools.programs.num.pocket import Pocket
 from host_tools.programs.program_errors import (
     ARC, COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, PLANE, POCKET, RANGE, SAME_GROUP, TOOL, TWO_COMMANDS, UNUSED, WHOLE, ProgramError,
 )  # fmt: skip
-from host_tools.programs.toolpath import PLANES, Toolpath, centre_of, number, sweep_of
+from host_tools.programs.toolpath import PLANES, Toolpath, centre_of, number_text, sweep_of
 
 _INCH_MM = 25.4
 _AXES = "XYZ"
@@ -40,11 +40,11 @@ def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, 
         try:
             interpreter.carry_out(row)
         except ProgramError as error:
-            raise error.at(source) from None
+            raise error.name_place(source) from None
     try:
         path.uncompensate()
     except ProgramError as error:
-        raise error.at(path.source) from None
+        raise error.name_place(path.source) from None
     return flow.texts
 
 
@@ -70,30 +70,30 @@ class Interpreter:
         """One block. Raises ProgramError."""
         block = read(text, self._variables)
         words = self._words = block.words
-        g, m = self._group(block.g, _GROUPS, "G"), self._group(block.m, _M, "M")
+        g, m = self._group_codes(block.g, _GROUPS, "G"), self._group_codes(block.m, _M, "M")
         if 77 in g or 79 in g:
-            self._branch(g, m, block)
+            self._carry_out_branch(g, m, block)
             return
         if block.targets:
             raise ProgramError(UNUSED, "N{}", block.targets[0])
-        self._modes(g)
+        self._set_modes(g)
         if 4 in g:
-            self._dwell()
+            self._put_dwell()
         self._set_machine(m)
         if "F" in words:
-            self._feed = self._take("F") * self._scale
+            self._feed = self._take_word("F") * self._scale
             if self._feed <= 0:
                 raise ProgramError(NO_FEED, "F0")
         if 59 in g:
             self._set_offset()
         else:
-            self._move(g)
+            self._put_motion(g)
         if words:
-            raise ProgramError(UNUSED, "{}", " ".join(f"{name}{number(value)}" for name, value in words.items()))
-        self._stop(m)
+            raise ProgramError(UNUSED, "{}", " ".join(f"{name}{number_text(value)}" for name, value in words.items()))
+        self._stop_program(m)
 
     @staticmethod
-    def _group(codes, groups, letter):
+    def _group_codes(codes, groups, letter):
         """The codes as a set. Raises ProgramError if one is not known, or two exclude each other."""
         taken = set()
         for code in codes:
@@ -105,14 +105,14 @@ class Interpreter:
             taken.add(code)
         return taken
 
-    def _take(self, name, default=None):
+    def _take_word(self, name, default=None):
         """The value of a word. Raises ProgramError if it is missing and there is no default."""
         if name not in self._words and default is None:
             raise ProgramError(MISSING, "{}", name)
         return self._words.pop(name, default)
 
-    def _whole(self, name, default=None, most=99999):
-        value = self._take(name, default)
+    def _take_whole(self, name, default=None, most=99999):
+        value = self._take_word(name, default)
         if value % 1:
             raise ProgramError(WHOLE, "{}{:g}", name, value)
         if not 0 <= value <= most:
@@ -121,7 +121,7 @@ class Interpreter:
 
     # --- what comes next
 
-    def _branch(self, g, m, block):
+    def _carry_out_branch(self, g, m, block):
         """G77 and G79."""
         if g - {77, 79} or m or len(g) > 1:
             raise ProgramError(TWO_COMMANDS, "G77 and G79 stand alone")
@@ -131,28 +131,28 @@ class Interpreter:
             if len(block.targets) != 1:
                 raise ProgramError(MISSING, "N")
             if block.condition is not False:
-                self._flow.jump(block.targets[0])
+                self._flow.jump_to(block.targets[0])
             return
-        program = self._whole("H") if "H" in self._words else None
-        times = self._whole("S", 1, 9999)
+        program = self._take_whole("H") if "H" in self._words else None
+        times = self._take_whole("S", 1, 9999)
         if program is None and not block.targets or len(block.targets) > 2:
             raise ProgramError(MISSING, "H, or N and N")
         if self._words:
             raise ProgramError(UNUSED, "{}", next(iter(self._words)))
         if times:
-            self._flow.call(program, block.targets, times)
+            self._flow.call_program(program, block.targets, times)
 
-    def _stop(self, m):
+    def _stop_program(self, m):
         if m & {0, 1}:
-            self.path.word("M0" if 0 in m else "M1")
+            self.path.put_word("M0" if 0 in m else "M1")
         if 2 in m:
             self.path.uncompensate()
-            self.path.word("M2")
+            self.path.put_word("M2")
             self._flow.end()
 
     # --- modes
 
-    def _modes(self, g):
+    def _set_modes(self, g):
         for code in g & {17, 18, 19}:
             self._plane = code
         for code in g & {70, 71}:
@@ -162,15 +162,15 @@ class Interpreter:
         for code in g & {0, 1, 2, 3} if 45 not in g else ():  # of a pocket it is the direction
             self._motion = code
         if "D" in self._words:
-            self._tool = self._whole("D", most=255)
+            self._tool = self._take_whole("D", most=255)
         if 80 in g or g & {0, 1, 2, 3}:
             self._cycle = None
         if 40 in g:
             self.path.uncompensate()
         elif g & {41, 42}:
-            self.path.compensate(LEFT if 41 in g else RIGHT, self._radius(), self._plane)
+            self.path.compensate(LEFT if 41 in g else RIGHT, self._tool_radius(), self._plane)
 
-    def _radius(self):
+    def _tool_radius(self):
         """The radius of the tool that D names. Raises ProgramError."""
         if self._tool == 0:
             return 0.0
@@ -178,29 +178,29 @@ class Interpreter:
             raise ProgramError(TOOL, "{}", "D" if self._tool is None else f"D{self._tool}")
         return self._tools[self._tool].radius
 
-    def _dwell(self):
-        seconds = self._take("F")
+    def _put_dwell(self):
+        seconds = self._take_word("F")
         if not 0 <= seconds <= 99.99:
             raise ProgramError(RANGE, "F{:g}: seconds, 99.99 at most", seconds)
-        self.path.word(f"G4 P{number(seconds)}")
+        self.path.put_word(f"G4 P{number_text(seconds)}")
 
     def _set_machine(self, m):
         if "T" in self._words:
-            self._chosen = self._whole("T", most=255)
+            self._chosen = self._take_whole("T", most=255)
         if 6 in m:
             self._not_compensated("M06")
-            self.path.word(f"M6 T{self._chosen}")
+            self.path.put_word(f"M6 T{self._chosen}")
         said = []
         if "S" in self._words:
-            rpm = self._take("S")
+            rpm = self._take_word("S")
             if rpm < 0:
                 raise ProgramError(RANGE, "S{:g}", rpm)
-            said.append(f"S{number(rpm, 3)}")
+            said.append(f"S{number_text(rpm, 3)}")
         said += [f"M{code}" for code in sorted(m & {3, 4, 5})]
         if said:
-            self.path.word(" ".join(said))
+            self.path.put_word(" ".join(said))
         for code in sorted(m & {7, 8, 9, 10, 11}):
-            self.path.word(f"M{code}")
+            self.path.put_word(f"M{code}")
 
     def _not_compensated(self, what):
         if self.path.contour:
@@ -213,12 +213,12 @@ class Interpreter:
         if not found:
             raise ProgramError(MISSING, "X, Y or Z")
         for axis, name in found:
-            value = self._take(name) * self._scale
+            value = self._take_word(name) * self._scale
             self._offset[axis] = value + (0.0 if self._absolute else self._offset[axis])
 
     # --- motions
 
-    def _move(self, g):
+    def _put_motion(self, g):
         words = self._words
         positions = any(name in words for name in _AXES)
         if g & {45, 81}:
@@ -227,13 +227,13 @@ class Interpreter:
         if self._cycle and (positions or g & {45, 81}):
             self._carry_out_cycle(2 in g)
         elif self._motion in (2, 3) and (positions or "I" in words or "J" in words or "K" in words):
-            self._arc(self._motion == 2)
+            self._put_arc(self._motion == 2)
         elif positions:
             if self._motion and not self._feed:
                 raise ProgramError(NO_FEED)
-            self.path.move(self._target(), not self._motion, self._feed if self._motion else 0.0)
+            self.path.move_to(self._take_target(), not self._motion, self._feed if self._motion else 0.0)
 
-    def _target(self):
+    def _take_target(self):
         """The position that the axis words name, mm; None where there is no word. Takes the words."""
         position = []
         for axis, name in enumerate(_AXES):
@@ -243,15 +243,15 @@ class Interpreter:
             position.append(value)
         return position
 
-    def _arc(self, clockwise):
+    def _put_arc(self, clockwise):
         if not self._feed:
             raise ProgramError(NO_FEED)
         first, second, _ = PLANES[self._plane]
         begin = [self.path.position(first), self.path.position(second)]
-        target = self._target()
+        target = self._take_target()
         end = [begin[0] if target[first] is None else target[first], begin[1] if target[second] is None else target[second]]
         if "R" in self._words:
-            radius = self._take("R") * self._scale
+            radius = self._take_word("R") * self._scale
             if radius <= 0:
                 raise ProgramError(RANGE, "R{:g}", radius)
             centre = centre_of(begin, end, radius, clockwise)
@@ -261,13 +261,13 @@ class Interpreter:
             if not any(name in self._words for name in names):
                 raise ProgramError(ARC, "R, or {} and {}", names[0], names[1])
             if self._absolute:
-                middle = [self._take(name) * self._scale + self._offset[axis] for name, axis in zip(names, (first, second))]
+                middle = [self._take_word(name) * self._scale + self._offset[axis] for name, axis in zip(names, (first, second))]
                 centre = [middle[0] - begin[0], middle[1] - begin[1]]
             else:
-                centre = [self._take(name, 0.0) * self._scale for name in names]
+                centre = [self._take_word(name, 0.0) * self._scale for name in names]
             sweep = sweep_of(begin, end, centre, clockwise)
         target[first], target[second] = end
-        self.path.arc(self._plane, clockwise, target, centre, self._feed, 1, sweep)
+        self.path.arc_to(self._plane, clockwise, target, centre, self._feed, 1, sweep)
 
     # --- cycles
 
@@ -277,36 +277,36 @@ class Interpreter:
         code, kept = self._cycle
         for name in ("EX", "EY", "EB", "P", "Q", "I", "J", "EP", "EQ", "EI", "EJ") if code == 45 else ():
             if name in self._words:
-                kept[name] = self._take(name) * self._scale
+                kept[name] = self._take_word(name) * self._scale
         if "ER" in self._words:
-            value = self._take("ER") * self._scale
+            value = self._take_word("ER") * self._scale
             kept["above"] = value + (self._offset[2] if self._absolute else self.path.position(2))
         above = kept.setdefault("above", self.path.place[2])
         if above is None:
             self.path.position(2)
         if "Z" in self._words:
-            value = self._take("Z") * self._scale
+            value = self._take_word("Z") * self._scale
             kept["bottom"] = value + (self._offset[2] if self._absolute else above)
         if "bottom" not in kept:
             raise ProgramError(MISSING, "Z")
-        target = self._target()
+        target = self._take_target()
         position = [self.path.position(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
         if kept["bottom"] >= above:
-            raise ProgramError(RANGE, "Z{} is above ER{}", number(kept["bottom"]), number(above))
+            raise ProgramError(RANGE, "Z{} is above ER{}", number_text(kept["bottom"]), number_text(above))
         if self.path.place[2] is not None and self.path.place[2] < above:
-            self.path.move([None, None, above], True)
+            self.path.move_to([None, None, above], True)
         if code == 81:
             if not self._feed:
                 raise ProgramError(NO_FEED)
-            Cycle(81, above, kept["bottom"], self._feed).hole(self.path, position)
+            Cycle(81, above, kept["bottom"], self._feed).put_hole(self.path, position)
         else:
             if clockwise:
                 kept["clockwise"] = True
-            self._pocket(kept, position, above)
+            self._put_pocket(kept, position, above)
 
-    def _pocket(self, kept, position, above):
+    def _put_pocket(self, kept, position, above):
         length, width, corner = (kept.get(name) for name in ("EX", "EY", "EB"))
-        radius = self._radius()
+        radius = self._tool_radius()
         if any(value is not None and value <= 0 for value in (length, width, corner)):
             raise ProgramError(POCKET, "EX, EY or EB")
         if length and width:
@@ -325,4 +325,4 @@ class Interpreter:
         Pocket(
             tuple(position), half, corner, above, kept["bottom"], depth, kept.get("Q", radius), kept.get("I", 0.0), kept.get("J", 0.0),
             kept.get("clockwise", False), tuple(feeds),
-        ).cut(self.path, radius)
+        ).put_motions(self.path, radius)

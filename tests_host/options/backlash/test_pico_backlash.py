@@ -5,7 +5,7 @@ from emulated import make_machine, uf2  # noqa: F401
 from test_digest import golden_of_gcode
 from test_pico_digest import IN_FLASH, LIMIT_US, with_digest
 
-from host_tools.prove.gcode_jobs import play
+from host_tools.prove.gcode_jobs import backlash_job
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.sim.machine import VirtualMachine
 
@@ -17,7 +17,7 @@ LINES = ["G21G90F1500", "G1X4Y4Z-1", "G1X5Y3", "G2X5Y3I1J.5", "G1X4.5Y3.5", "X4.
 
 @pytest.mark.slow
 def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):  # noqa: F811
-    job = "".join(f"{line}\n" for line in play()).encode()
+    job = "".join(f"{line}\n" for line in backlash_job()).encode()
     pico = EmulatedPico(files=with_digest(BOARD, "job.gcode", job), uf2=uf2).boot()
     before = pico.cycle
     code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + f"import digest\ndigest.show_lines('job.gcode', {BOARD!r}, counts=False)"

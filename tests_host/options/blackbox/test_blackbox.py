@@ -8,8 +8,8 @@ from black_boxes import CAUSES, COMBINED, Doomed, amid, parked, pieces
 from host_tools import boards
 from host_tools.cli.blackbox import report_lines
 from host_tools.failure import Failure
-from host_tools.programs.blackbox import HALTED, LOGGED, Box, pack, unpack
-from host_tools.programs.timeline import clock, draw, lines_of
+from host_tools.programs.blackbox import HALTED, LOGGED, Box, pack_files, unpack_files
+from host_tools.programs.timeline import board_clock, draw_timeline, lines_of
 from host_tools.sim.blackbox import Replay
 from passo import errors
 from passo.config.boardfile import check
@@ -25,7 +25,7 @@ ALARMS = {
 
 def replayed(files):
     """(box, replay) of the files as somebody else gets them."""
-    box = Box.of(unpack(pack(files)))
+    box = Box.from_files(unpack_files(pack_files(files)))
     return box, Replay(box, box.settings).run()
 
 
@@ -63,7 +63,7 @@ def test_the_replay_of_what_else_a_machine_may_have(what):
     played = replay.path
     assert box.why == "alarm" and replay.faults == [] and len(played) > 5000
     if box.board.get("backlash"):
-        assert any(box.start().play)
+        assert any(box.start().backlash_taken)
         path = of_axes(path, [round(um * axis["steps_per_m"] / 1e6) for um, axis in zip((40, 50, 20), box.board["axes"])], played[-1])
     assert path[-len(played) :] == played
 
@@ -71,7 +71,7 @@ def test_the_replay_of_what_else_a_machine_may_have(what):
 def test_ways_of_parking_are_not_replayed():
     """The list shows them, and the replay says why it stops."""
     files, _ = parked()
-    box = Box.of(files)
+    box = Box.from_files(files)
     assert "door on" in "\n".join(lines_of(box))
     with pytest.raises(Failure, match="has parked"):
         Replay(box, box.settings)
@@ -80,11 +80,11 @@ def test_ways_of_parking_are_not_replayed():
 def test_a_step_more_or_less_is_found(monkeypatch):
     """The test of the test: a box whose stop is a step off its way, and one with another line, are not followed."""
     files, _ = CAUSES["emergency_stop"]()
-    box = Box.of(files)
+    box = Box.from_files(files)
     stop = [row for row in box.rows if row.kind == HALTED][-1]
     stop.position[0] += 1000
     assert Replay(box, box.settings).run().faults
-    box = Box.of(files)
+    box = Box.from_files(files)
     before = box.text
     box.text = before.replace(b"G1X3", b"G1X2")
     assert before != box.text and Replay(box, box.settings).run().faults
@@ -142,8 +142,8 @@ def test_what_people_read(tmp_path):
     text = "\n".join([*lines_of(box), *report_lines(box, replay)])
     for wanted in ("door on", "door off", "hold", "reset, Ctrl-X", "stood at X", "G1X", "> $SLP", "the same way"):
         assert wanted in text, wanted
-    draw(tmp_path / "timeline.png", box, replay)
-    draw(tmp_path / "alone.png", box)
+    draw_timeline(tmp_path / "timeline.png", box, replay)
+    draw_timeline(tmp_path / "alone.png", box)
     assert (tmp_path / "timeline.png").stat().st_size > 20_000
 
 
@@ -151,7 +151,7 @@ def test_what_people_read(tmp_path):
 def test_the_picture_has_the_virtual_board_where_the_board_was(cause):
     """A replay begins at the end of a queue of up to 15 s, and waits for a host that has died as long as it can: its own times are seconds off."""
     box, replay = replayed(CAUSES[cause]()[0])
-    of = clock(box, replay)
+    of = board_clock(box, replay)
     times = of([row[0] for row in replay.rows]).tolist()
     assert times == sorted(times)
     for row in box.samples:
@@ -175,6 +175,6 @@ def test_files_that_are_none_are_refused(name, data, wanted):
     """A file that somebody sends is data: its board file is read, and does not run."""
     files, _ = CAUSES["plotter_stop"]()
     with pytest.raises(Failure, match=wanted):
-        Box.of({**files, name: data})
+        Box.from_files({**files, name: data})
     with pytest.raises(Failure, match="passo blackbox has written"):
-        unpack(b"PK no")
+        unpack_files(b"PK no")

@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.cli.blackbox import files_of
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.machine import EmulatedMachine
-from host_tools.programs.blackbox import Box, pack, unpack
+from host_tools.programs.blackbox import Box, pack_files, unpack_files
 from host_tools.sim.blackbox import Replay
 
 START = 1500, 1200, -900
@@ -62,7 +62,7 @@ def path_of(machine):
 
 def boxed(machine):
     files = {name: bytes(data) for name, data in machine.pico.files().items() if name in ("blackbox.bin", "settings.0", "settings.1")}
-    return Box.of({**files, "board.py": f"BOARD = {BOARD!r}\n".encode()})
+    return Box.from_files({**files, "board.py": f"BOARD = {BOARD!r}\n".encode()})
 
 
 def seen(machine):
@@ -170,11 +170,11 @@ def test_it_is_read_off_the_port(router, tmp_path):
     def run():
         stop(router)
         with on_a_port(router.pico, tmp_path / "port") as board:
-            board.fresh()
+            board.restart_interpreter()
             files = files_of(board)
         return {name: bytes(data) for name, data in files.items()}
 
     files = on_a_copy(run)
     assert set(files) >= {"blackbox.bin", "board.py"} and "blackbox.old" not in files
-    box = Box.of(unpack(pack(files)))
+    box = Box.from_files(unpack_files(pack_files(files)))
     assert box.why == "alarm" and box.board["name"] == "router_3axis" and Replay(box, box.settings).run().faults == []

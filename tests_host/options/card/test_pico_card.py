@@ -120,10 +120,10 @@ def test_a_card_is_put_in_filled_taken_out_and_put_back(carded, tmp_path, show):
     card.inside = False
     assert ask(machine, b"$F") == b"error:158\r\n"
     card.inside = True
-    packed = stored_job.pack(data)
+    packed = stored_job.pack_job(data)
     begun = machine.now_ms()
     for _ in range(2):
-        assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc(data), len(packed))) == b"ok\r\n"
+        assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc_of(data), len(packed))) == b"ok\r\n"
         for first in range(0, len(packed), 54):
             assert ask(machine, b"$F:" + base64.b64encode(packed[first : first + 54])) == b"ok\r\n"
         assert ask(machine, b"$FE") == b"ok\r\n"
@@ -140,7 +140,7 @@ def test_a_card_is_put_in_filled_taken_out_and_put_back(carded, tmp_path, show):
     assert ask(machine, b"$F=A") == b"error:158\r\n"
     card.inside = True
     assert b"[FILE:A|SIZE:%d|" % len(data) in ask(machine, b"$F")
-    assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc(data), len(packed))) == b"ok\r\n"
+    assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc_of(data), len(packed))) == b"ok\r\n"
     card.inside = False
     for first in range(0, len(packed), 54):
         said = ask(machine, b"$F:" + base64.b64encode(packed[first : first + 54]))

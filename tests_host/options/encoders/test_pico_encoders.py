@@ -8,7 +8,7 @@ import tiers
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools.emulator.quadrature import Quadrature
-from host_tools.emulator.rig import Rig, router
+from host_tools.emulator.rig import Rig, router_board
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("encoders")]
 PINS = (11, 13, 16, 18)
@@ -25,7 +25,7 @@ def board(axes=4):
     ]
     encoders[0]["index"] = "index"
     inputs = [{"name": "index", "pin": INDEX_PIN, "active": 1, "pull": "down"}]
-    return router(axes, encoders=copy.deepcopy(encoders), inputs=inputs)
+    return router_board(axes, encoders=copy.deepcopy(encoders), inputs=inputs)
 
 
 @pytest.fixture(scope="module")
@@ -40,14 +40,14 @@ def counted(rig):
 
 
 def test_four_encoders_at_250_khz_while_three_axes_step_at_100_khz(rig, show):
-    rig.fit(board())
+    rig.load_board(board())
     rig.pico.exec(UNARMED)
     wires = [Quadrature(rig.pico, pin, COUNTS_S, 1000 * number) for number, pin in enumerate(PINS)]
     assert counted(rig) == [0, 0, 0, 0]
     part = 1 if tiers.current == "all" else 2  # of the way
     turns = [[count // part for count in turn] for turn in ((4000, 4000, 4000, 4000), (-2500, 3000, -1, 4000), (3000, -5000, 3333, -4001))]
     for number, wire in enumerate(wires):
-        wire.turn(turns[0][number])
+        wire.turn_by(turns[0][number])
     far = 1500 // part
     lines = [((far, -far, far, 0), 100_000), ((-far, far, far, 0), 100_000), ((far, far, -far, 0), 100_000)]
     state = {"round": 0}
@@ -56,7 +56,7 @@ def test_four_encoders_at_250_khz_while_three_axes_step_at_100_khz(rig, show):
         if state["round"] < 2 and not any(wire.left for wire in wires):
             state["round"] += 1
             for number, wire in enumerate(wires):
-                wire.turn(turns[state["round"]][number])
+                wire.turn_by(turns[state["round"]][number])
 
     run = rig.play(lines, meanwhile=meanwhile)
     while any(wire.left for wire in wires):
@@ -70,37 +70,37 @@ def test_four_encoders_at_250_khz_while_three_axes_step_at_100_khz(rig, show):
 
 
 def test_a_change_of_both_pins_counts_nothing_and_the_next_count_is_right(rig):
-    rig.fit(board())
+    rig.load_board(board())
     rig.pico.exec(UNARMED)
     wires = [Quadrature(rig.pico, pin, COUNTS_S) for pin in PINS]
-    wires[0].turn(6)
+    wires[0].turn_by(6)
     rig.pico.run(500)
-    wires[0].jump(2)
+    wires[0].jump_by(2)
     rig.pico.run(500)
-    wires[0].turn(2)
+    wires[0].turn_by(2)
     rig.pico.run(500)
     assert counted(rig) == [8, 0, 0, 0]
 
 
 def test_an_index_pulse_is_noticed_in_its_interrupt(rig):
-    rig.fit(board())
+    rig.load_board(board())
     rig.pico.exec(UNARMED)
     wires = Quadrature(rig.pico, PINS[0], COUNTS_S)
 
     def pulse():
         for level in (1, 0):
-            rig.pico.drive(INDEX_PIN, level)
+            rig.pico.drive_pin(INDEX_PIN, level)
             rig.pico.run(50)
 
     def index():
         return eval(rig.pico.exec("i = port.encoders.indexes[0]; print((i.seen, i.off()))"))
 
     pulse()
-    wires.turn(2000)
+    wires.turn_by(2000)
     rig.pico.run(9000)
     pulse()
     assert index() == (2, 0), "a whole turn of 500 pulses"
-    wires.turn(-2070)
+    wires.turn_by(-2070)
     rig.pico.run(9000)
     pulse()
     assert index() == (3, -70)
@@ -114,10 +114,10 @@ def test_the_spindles_pulses_are_counted_in_their_interrupt(uf2):  # noqa: F811
     rig.pico.exec("turns = port.make('tachometer', 'index')\nus = turns.us")
     for _ in range(40):
         for level, us in ((1, 20), (0, 10), (1, 20), (0, 450)):
-            rig.pico.drive(INDEX_PIN, level)
+            rig.pico.drive_pin(INDEX_PIN, level)
             rig.pico.run(us)
     count, us = eval(rig.pico.exec("print((turns.count(), turns.us))"))
-    rig.pico.drive(INDEX_PIN, 1)
+    rig.pico.drive_pin(INDEX_PIN, 1)
     rig.pico.run(100)
     again, later = eval(rig.pico.exec("print((turns.count(), turns.us))"))
     assert count == 40 and again == 41 and later > us
@@ -141,7 +141,7 @@ def gantry_board():
 def test_a_gantry_homes_square_catches_up_and_stops(make_machine, show):  # noqa: F811
     """The whole firmware: latched edges, two motors, PIO encoders, single steps at a stand, the alarm of the interrupt's check."""
     machine = make_machine(gantry_board(), start=(500, 400, -300), racked=17, bounce_ms=2, trace=None)
-    machine.run_until(machine.listening, 10_000)
+    machine.run_until(machine.is_listening, 10_000)
 
     def ask(line, answers=(b"ok\r\n", b"error"), limit_ms=30_000):
         machine.take()

@@ -7,8 +7,8 @@ import pytest
 from emulated import uf2  # noqa: F401
 
 from host_tools.emulator.copies import on_a_copy
-from host_tools.emulator.halting import set_out, trial, trials
-from host_tools.emulator.rig import Rig, router
+from host_tools.emulator.halting import set_out, try_halt, try_halts
+from host_tools.emulator.rig import Rig, router_board
 
 FIRST_PIN = 16
 FILTER_US = 50
@@ -31,7 +31,7 @@ print([port.veto.glitches[n] for n in range(4)], controller.machine.alarm, contr
 
 @lru_cache
 def _rig(uf2):
-    return Rig(router(3, inputs=INPUTS, interlock=TABLE), uf2)
+    return Rig(router_board(3, inputs=INPUTS, interlock=TABLE), uf2)
 
 
 @pytest.fixture(scope="session")
@@ -51,7 +51,7 @@ def test_from_the_edge_to_the_last_step(guarded, steps_s, name, show):
     random = Random(steps_s)
     pin = FIRST_PIN + NAMES.index(name)
     set_out(guarded, DELTAS, steps_s, 2000)
-    found = trials(guarded, pin, [random.uniform(0, 15_000) for _ in range(4)])
+    found = try_halts(guarded, pin, [random.uniform(0, 15_000) for _ in range(4)])
     filter_us = 0 if name == "stop" else FILTER_US
     for reaction_us, reported, counted, _ in found:
         assert reported == counted and any(counted)
@@ -64,12 +64,12 @@ def test_from_the_edge_to_the_last_step(guarded, steps_s, name, show):
 @pytest.mark.xdist_group("interlock")
 def test_a_limit_behind_lets_it_go_on(guarded):
     set_out(guarded, DELTAS, 30_000, 2000)
-    guarded.pico.drive(FIRST_PIN + 1, 1)
+    guarded.pico.drive_pin(FIRST_PIN + 1, 1)
     guarded.pico.run(3000)
     before = sum(map(abs, guarded.count_steps()))
     guarded.pico.run(3000)
     assert sum(map(abs, guarded.count_steps())) > before + 100
-    _, reported, counted, _ = on_a_copy(lambda: trial(guarded, FIRST_PIN, 0))
+    _, reported, counted, _ = on_a_copy(lambda: try_halt(guarded, FIRST_PIN, 0))
     assert reported == counted
 
 
@@ -85,13 +85,13 @@ def test_spikes_stop_nothing_and_are_counted(guarded, steps_s, show):
         number = random.randrange(3)
         pin, rest = FIRST_PIN + number, 0
         width_us = random.choice((2, 5, 40))
-        guarded.pico.drive(pin, 1 - rest)
+        guarded.pico.drive_pin(pin, 1 - rest)
         guarded.pico.run(width_us)
-        guarded.pico.drive(pin, rest)
+        guarded.pico.drive_pin(pin, rest)
         guarded.pico.run(random.randint(150, 400))
         wanted[number] += 1
     assert guarded.pico.run_until(lambda: guarded.pico.console.text.count(b"\x04") >= 2, 400_000, 500)
-    position = eval(guarded.pico.console.take().split(b"\x04")[0].decode())
+    position = eval(guarded.pico.console.take_output().split(b"\x04")[0].decode())
     assert position == guarded.count_steps() == list(DELTAS)
     said = guarded.pico.exec(SAID).strip()
     assert said.startswith(f"{wanted} 1 []"), said
@@ -122,10 +122,10 @@ def test_bursts_of_many_spikes_stop_nothing(guarded, steps_s, show):
         for at_us, number, level in sorted(events):
             guarded.pico.run(at_us - now_us)
             now_us = at_us
-            guarded.pico.drive(FIRST_PIN + number, level)
+            guarded.pico.drive_pin(FIRST_PIN + number, level)
         guarded.pico.run(random.randint(300, 500))
     assert guarded.pico.run_until(lambda: guarded.pico.console.text.count(b"\x04") >= 2, 400_000, 500)
-    position = eval(guarded.pico.console.take().split(b"\x04")[0].decode())
+    position = eval(guarded.pico.console.take_output().split(b"\x04")[0].decode())
     assert position == guarded.count_steps() == list(DELTAS)
     glitches, _, rest = guarded.pico.exec(SAID).strip().partition("] ")
     found = eval(glitches + "]")

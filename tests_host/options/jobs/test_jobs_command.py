@@ -103,9 +103,9 @@ def test_what_status_says_of_a_stored_job(tmp_path, part, monkeypatch):
         jobs.delete("BAD", port, 115200)
         assert "has not begun" in told_job(port)[0][1]
         with GrblClient(port) as client:
-            number = Record.of(client.command("$JR")).job
+            number = Record.of_answer(client.command("$JR")).job
         for name, command in (("photo.jpg", "engrave --continue"), ("card", "engrave --continue"), ("map.svg", "resume"), ("part.nc", "resume")):
-            program_names.remember(number, name, 122)
+            program_names.remember_name(number, name, 122)
             assert told_job(port)[0][1].endswith(f" of {name}, spindle off; passo {command} goes on with it")
     finally:
         board.close()
@@ -145,15 +145,15 @@ def test_an_upload_that_is_cut_off_leaves_the_job_of_that_name(board, part, monk
     long.write_bytes(b"G21 G90\n" + b"".join(b"G1 X%d F6000\n" % (number * 7919 % 50) for number in range(900)))
     with jobs._connect_client(port, 115200, "grbl") as client:
         data = stored_job.gcode_job(long)
-        client.command(f"$FS=PART,grbl,{len(data)},{stored_job.crc(data):08x},{len(stored_job.pack(data))}")
+        client.command(f"$FS=PART,grbl,{len(data)},{stored_job.crc_of(data):08x},{len(stored_job.pack_job(data))}")
         client.command("$F:AAAA")
     jobs.run("PART", True, True, port, 115200)
     assert board.world.steps < 100_000
-    pack = stored_job.pack
-    monkeypatch.setattr(stored_job, "pack", lambda data: pack(data)[:-40] + bytes(40))  # bytes that are not the file's
+    pack = stored_job.pack_job
+    monkeypatch.setattr(stored_job, "pack_job", lambda data: pack(data)[:-40] + bytes(40))  # bytes that are not the file's
     with pytest.raises(Refused, match="error 151"):
         jobs.store(long, "PART", "grbl", port=port)
-    monkeypatch.setattr(stored_job, "pack", pack)
+    monkeypatch.setattr(stored_job, "pack_job", pack)
     jobs.run("PART", False, True, port, 115200)
     jobs.store(long, "PART", "grbl", port=port)
     jobs.list_(port, 115200)
@@ -161,12 +161,12 @@ def test_an_upload_that_is_cut_off_leaves_the_job_of_that_name(board, part, monk
 
 
 def _too_large(part, free, port):
-    packed = stored_job.pack
-    stored_job.pack = lambda data: range(free * 2)  # as long as no memory is
+    packed = stored_job.pack_job
+    stored_job.pack_job = lambda data: range(free * 2)  # as long as no memory is
     try:
         jobs.store(part, "BIG", "grbl", check=False, port=port)
     finally:
-        stored_job.pack = packed
+        stored_job.pack_job = packed
 
 
 def test_a_job_is_written_on_a_card_and_runs_there(tmp_path, part, capsys):

@@ -25,7 +25,7 @@ def new_job(seed, lines=3000):
 
 
 def begin(machine, name, data, packed, **changes):
-    crc = changes.get("crc", stored_job.crc(data))
+    crc = changes.get("crc", stored_job.crc_of(data))
     return ask(machine, b"$FS=%s,grbl,%d,%08x,%d" % (name, len(data), crc, changes.get("stored", len(packed))))
 
 
@@ -35,7 +35,7 @@ def send(machine, packed):
 
 
 def store(machine, name, data, **changes):
-    packed = stored_job.pack(data)
+    packed = stored_job.pack_job(data)
     assert begin(machine, name, data, packed, **changes) == b"ok\r\n"
     send(machine, packed)
     return ask(machine, b"$FE")
@@ -88,13 +88,13 @@ def test_no_upload_that_fails_loses_a_job(machine_of, show):
     assert store(machine, b"A", OLD) == b"ok\r\n"
     left = free(machine)
     new = new_job(1)
-    packed = stored_job.pack(new)
+    packed = stored_job.pack_job(new)
     assert left < len(packed), (left, len(packed))
     assert begin(machine, b"B", new, packed) == b"error:152\r\n"
     assert begin(machine, b"A", new, packed) == b"error:152\r\n"
     small = new_job(2, 400)
     assert store(machine, b"B", small, crc=1) == b"error:151\r\n"
-    assert begin(machine, b"A", small, stored_job.pack(small)) == b"ok\r\n"
+    assert begin(machine, b"A", small, stored_job.pack_job(small)) == b"ok\r\n"
     assert ask(machine, b"$FE") == b"error:156\r\n"
     picture = bytes(range(256))
     assert begin(machine, b"A", small, picture) == b"ok\r\n"
@@ -114,8 +114,8 @@ def test_no_upload_that_fails_loses_a_job(machine_of, show):
     assert ask(machine, b"$FD=B") == b"ok\r\n" and b"FILE:B" not in ask(machine, b"$F")
     chance = random.Random(3)
     for _ in range(2):  # each time from the files that the cut before has left
-        assert begin(machine, b"A", small, stored_job.pack(small)) == b"ok\r\n"
-        data = stored_job.pack(small)
+        assert begin(machine, b"A", small, stored_job.pack_job(small)) == b"ok\r\n"
+        data = stored_job.pack_job(small)
         send(machine, data[: chance.randrange(54, len(data) - 54, 54)])
         machine.send(b"$F:" + base64.b64encode(data[-54:]) + b"\n")
         machine.pico.run(chance.randrange(100_000))
@@ -133,7 +133,7 @@ def test_a_pc_that_closes_its_port_is_a_host_that_is_lost(machine_of, show):
     machine = machine_of(board, files_of(board))
     assert store(machine, b"A", OLD) == b"ok\r\n"
     port = machine.pico.usb._cdc
-    packed = stored_job.pack(new_job(4))
+    packed = stored_job.pack_job(new_job(4))
     assert begin(machine, b"A", new_job(4), packed) == b"ok\r\n"
     send(machine, packed[:540])
     port.set_control_lines(dtr=False, rts=False)

@@ -41,8 +41,8 @@ def ready(machine):
 
 def test_a_job_is_uploaded_and_run(make_machine, show):
     machine = ready(make_machine(fast_router()))
-    packed = stored_job.pack(SMALL)
-    assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(SMALL), stored_job.crc(SMALL), len(packed))) == b"ok\r\n"
+    packed = stored_job.pack_job(SMALL)
+    assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(SMALL), stored_job.crc_of(SMALL), len(packed))) == b"ok\r\n"
     assert ask(machine, b"$F:" + base64.b64encode(packed)) == b"ok\r\n"
     assert ask(machine, b"$FE") == b"ok\r\n"
     assert b"[FILE:A|SIZE:%d|" % len(SMALL) in ask(machine, b"$F")
@@ -60,8 +60,8 @@ def read_ms(machine, count):
     """(bytes of a job of `count` lines, emulated ms from its start to its first step)."""
     lines = [b"G1X%d.%03dY%d.%03dF%d" % (n * 7 % 9, n * 373 % 1000, n * 5 % 7, n * 611 % 1000, 3000 + n) for n in range(count)]
     data = b"G91\nG1X0.5F3000\n" + b"\n".join(lines) + b"\n"
-    packed = stored_job.pack(data)
-    ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc(data), len(packed)))
+    packed = stored_job.pack_job(data)
+    ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc_of(data), len(packed)))
     for at in range(0, len(packed), 54):
         ask(machine, b"$F:" + base64.b64encode(packed[at : at + 54]))
     assert ask(machine, b"$FE") == b"ok\r\n"

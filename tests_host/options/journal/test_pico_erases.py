@@ -30,11 +30,11 @@ def machine(request, uf2):  # noqa: F811
         records = [packed(slot, 1, 7, slot, [0, 0, 0, 0]) for slot in range(block * SLOTS, min(USED, (block + 1) * SLOTS))]
         files[f"journal.{block}"] = b"".join(records).ljust(SLOTS * RECORD, b"\xff")
     made = EmulatedMachine(board, files, trace=None, start=(3000, 3000, -3000))
-    made.pico.flash_times.take(**request.param)
+    made.pico.flash_times.set_times(**request.param)
     made.boot()
-    made.run_until(made.listening, 15_000)
+    made.run_until(made.is_listening, 15_000)
     made.run_ms(800)
-    made.pico.flash_times.take(**request.param)
+    made.pico.flash_times.set_times(**request.param)
     return made
 
 

@@ -109,7 +109,7 @@ def test_a_picture(tmp_path):
             client.connect()
             machine = Machine.of_settings(client.command("$$"))
             assert machine.takes_rows(client.command("$I"), True)
-            lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode(rows, options, machine), 1)]
+            lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode_lines(rows, options, machine), 1)]
             begin(client, lines, len(lines) // 2)
         done = CliRunner().invoke(app, [*asked, "--width", "3.5", "--continue", "--yes"])
         assert done.exit_code == 1 and "another file" in str(done.exception)
@@ -150,7 +150,7 @@ def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):
         with pytest.raises(Failure, match="no program was interrupted"):
             resume.resume(part, port, 115200, yes=True)
         with GrblClient(port) as client:
-            client.command(f"$JR={stored_job.crc(stored_job.gcode_job(part)):08x}")
+            client.command(f"$JR={stored_job.crc_of(stored_job.gcode_job(part)):08x}")
             client.command("N4G21G90G1X5Y15F3000")
             client.command("N5G0X0Y0")
             client.command("G4P0")

@@ -24,8 +24,8 @@ class Router:
         pico = self.machine.pico
         self.steps = []  # cycles of all steps
         for pin in STEPS:
-            pico.pads.listen(pin, lambda _, state: state == 1 and self.steps.append(pico.cycle))
-        self.p0, self.p1 = pico.edges(P0), pico.edges(P1)
+            pico.pads.add_listener(pin, lambda _, state: state == 1 and self.steps.append(pico.cycle))
+        self.p0, self.p1 = pico.record_edges(P0), pico.record_edges(P1)
         self.do("$X", "G21G91G17F1500")
 
     def ask(self, line):
@@ -100,12 +100,12 @@ def test_behind_a_hold_a_door_and_a_reset(make_machine, show):
     machine.settle()
     (late,) = made.late_us(made.p0, [first + 960])
     assert len(made.p1) <= 2
-    assert machine.pico.pads.state(P0) == 1 and machine.pico.pads.state(P1) == 0
+    assert machine.pico.pads.state_of(P0) == 1 and machine.pico.pads.state_of(P1) == 0
     machine.send(b"G1X3\n")
     machine.run_ms(60)
     machine.plant.set_input(0, "door", True)
     machine.run_ms(600)
-    assert machine.pico.pads.state(P0) == 0 and machine.pico.pads.state(P1) == 1
+    assert machine.pico.pads.state_of(P0) == 0 and machine.pico.pads.state_of(P1) == 1
     machine.plant.set_input(0, "door", False)
     machine.send(b"M63P0\nG1X1\n")
     machine.run_ms(50)
@@ -113,16 +113,16 @@ def test_behind_a_hold_a_door_and_a_reset(make_machine, show):
     machine.send(b"~")
     machine.run_ms(4000)
     machine.settle()
-    assert [state for _, state in made.p0[begun:]] == [1, 0] and machine.pico.pads.state(P1) == 0
+    assert [state for _, state in made.p0[begun:]] == [1, 0] and machine.pico.pads.state_of(P1) == 0
     (again,) = made.late_us(made.p0[-1:], [len(made.steps) - 320])
     machine.send(b"G1X3\nM63P1\nM62P0\nG1X3\n")
     machine.run_ms(60)
     machine.send(b"\x18")
     machine.run_ms(300)
-    assert machine.pico.pads.state(P0) == 0 and machine.pico.pads.state(P1) == 1, "all off"
+    assert machine.pico.pads.state_of(P0) == 0 and machine.pico.pads.state_of(P1) == 1, "all off"
     made.do("$X", "G91G1X1F1500")
     machine.settle()
-    assert machine.pico.pads.state(P0) == 0 and machine.pico.pads.state(P1) == 1, "waiting outputs must be dropped"
+    assert machine.pico.pads.state_of(P0) == 0 and machine.pico.pads.state_of(P1) == 1, "waiting outputs must be dropped"
     show("M62 behind a hold and a door", exact([late, again]))
 
 
@@ -135,8 +135,8 @@ def test_of_a_stored_job_and_in_check_mode(make_machine, show):
     assert not made.p0
     made.do("$X", "G91")
     data = b"G91G1F3000\nX1\nM62P0\n" + b"X.5\nM63P0\nX.5\nM62P0\n" * 6 + b"X.5\n"
-    packed = stored_job.pack(data)
-    made.do("$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc(data), len(packed)))
+    packed = stored_job.pack_job(data)
+    made.do("$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc_of(data), len(packed)))
     for at in range(0, len(packed), 54):
         made.do("$F:" + base64.b64encode(packed[at : at + 54]).decode())
     made.do("$FE")

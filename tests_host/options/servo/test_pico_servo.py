@@ -21,7 +21,7 @@ def test_the_pulses_of_a_pen(uf2, show):  # noqa: F811
     board["tool"].update(on_ms=120, off_ms=80)
     board["servo"] = {"pin": PIN, "up_us": 1800, "down_us": 1200, "up_ms": 60, "down_ms": 100}
     machine = EmulatedMachine(board, trace=None, uf2=uf2).boot()
-    edges = machine.pico.edges(PIN)
+    edges = machine.pico.record_edges(PIN)
     machine.run_until(lambda: len(edges) > 4, 5000)
     for command, x, y in (("LINE", 4, 0), ("MOVE", 0, 0)):
         machine.send(packet(COMMANDS[command], x, y))
@@ -52,7 +52,7 @@ def test_each_line_has_its_pressure(uf2):  # noqa: F811
     )  # fmt: skip
     del board["homing"]
     machine = EmulatedMachine(board, uf2=uf2).boot()
-    machine.run_until(machine.listening, 10_000)
+    machine.run_until(machine.is_listening, 10_000)
     for line in (b"$X", b"G21 G91 F3000", b"M3 S600", b"G1 X6", b"M5", b"G0 Y3", b"M3 S300", b"G1 X-6", b"M5", b"G4 P0"):
         machine.take()
         machine.send(line + b"\n")
