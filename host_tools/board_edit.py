@@ -16,14 +16,14 @@ STEP = 4  # columns that each level of a board file is further in
 
 
 def set_values(text, values):
-    """The text of a board file with these values {path: value}. Raises Failure."""
+    """Return the text of a board file with these values {path: value}. Raises Failure."""
     for path, value in values.items():
         text = _set_value(text, path.split("."), value)
     return text
 
 
 def parse_pair(pair):
-    """(path, value) of KEY=VALUE. A value is written as in a board file; a word that is none there is a string. Raises Failure."""
+    """Return (path, value) of KEY=VALUE. A value is written as in a board file; a word that is none there is a string. Raises Failure."""
     path, equals, value = pair.partition("=")
     if not equals or not re.fullmatch(r"[\w-]+(\.[\w-]+)*", path):
         raise Failure("{!r} is not KEY=VALUE, such as axes.x.steps_per_m=80000", pair)
@@ -34,7 +34,7 @@ def parse_pair(pair):
 
 
 def _set_value(text, path, value):
-    """The text with one value. Raises Failure if a part of the path is no dict and no list of named things."""
+    """Return the text with one value. Raises Failure if a part of the path is no dict and no list of named things."""
     place = _Text(text)
     node, depth, holder = place.board, 0, None
     while depth < len(path):
@@ -63,7 +63,7 @@ def _base_has(board, path):
 
 
 def _find_item(node, key):
-    """The node of a dict's value, or of a list's thing, by its key or name; None if there is none."""
+    """Return the node of a dict's value, or of a list's thing, by its key or name; None if there is none."""
     if isinstance(node, ast.Dict):
         return next((value for name, value in zip(node.keys, node.values) if getattr(name, "value", None) == key), None)
     return next((each for each in node.elts if isinstance(each, ast.Dict) and getattr(_find_item(each, "name"), "value", None) == key), None)
@@ -80,13 +80,15 @@ class _Text:
         self.board = next(each.value for each in ast.parse(text).body if isinstance(each, ast.Assign))
 
     def _start_of(self, node):
+        """Return the offset in bytes at which a node begins."""
         return self._lines[node.lineno - 1] + node.col_offset
 
     def _end_of(self, node):
+        """Return the offset in bytes at which a node ends."""
         return self._lines[node.end_lineno - 1] + node.end_col_offset
 
     def _replace_ranges(self, *changes):
-        """The text with (start, end, new bytes) of each change, from the first to the last."""
+        """Return the text with (start, end, new bytes) of each change, from the first to the last."""
         pieces, at = [], 0
         for start, end, new in changes:
             pieces += [self._bytes[at:start], new]
@@ -94,10 +96,11 @@ class _Text:
         return b"".join([*pieces, self._bytes[at:]]).decode()
 
     def replace_value(self, node, depth, value):
+        """Return the text with another value in a node's place. `depth`: of dicts and lists around it."""
         return self._replace_ranges((self._start_of(node), self._end_of(node), boards.text_of_value(value, STEP * depth).encode()))
 
     def add_item(self, node, path, value):
-        """`value` under `path`, as the last item of `node`. Raises Failure."""
+        """Return the text with `value` under `path`, as the last item of `node`. Raises Failure."""
         for key in reversed(path[1:]):
             value = {key: value}
         named = isinstance(node, ast.List)
@@ -115,7 +118,7 @@ class _Text:
         return self._replace_ranges((at, close, (b", " if items else b"") + text))
 
     def remove_item(self, holder, node):
-        """Without an item of `holder`, its comma, and its line if nothing else stands there."""
+        """Return the text without an item of `holder`, its comma, and its line if nothing else stands there."""
         first = holder.keys[holder.values.index(node)] if isinstance(holder, ast.Dict) else node
         start, end = self._start_of(first), self._end_of(node)
         line = self._lines[first.lineno - 1]

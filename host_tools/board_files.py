@@ -61,7 +61,7 @@ def remove_file(file):
 
 
 def edit_text(file, text, values):
-    """The text of a board file with values {path: value} changed, which the firmware takes. Raises Failure."""
+    """Return the text of a board file with values {path: value} changed. Raises Failure if the firmware refuses it."""
     boards.parse_table(text, file)
     text = board_edit.set_values(text, values)
     boards.check_board(boards.parse_table(text, file), file)
@@ -75,6 +75,7 @@ def replace_file(file, before, text):
 
 
 def old_of(file):
+    """Return the file that keeps the text before the last change."""
     return file.with_name(file.name + ".old")
 
 
@@ -87,6 +88,6 @@ def check_own(file):
 
 
 def available_files(folder):
-    """{name: board file, as boards.load() takes it} of Passo's own, and of those in a folder, whose names end in .py."""
+    """Return {name: board file, as boards.load() takes it} of Passo's own, and of those in a folder whose names end in .py."""
     own = sorted(folder.glob("*.py")) if folder.is_dir() else []
     return {name: name for name in boards.names()} | {path.name: str(path) for path in own}

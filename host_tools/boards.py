@@ -32,12 +32,12 @@ LIKE = "like"
 
 
 def names():
-    """Names of the project's boards, in alphabetical order."""
+    """Return the names of the project's boards, in alphabetical order."""
     return sorted(path.stem for path in BOARDS.glob("*.py") if not path.stem.startswith("_"))
 
 
 def path(name):
-    """The file of a board given by its name or by the path of a .py file. Raises Failure if there is none."""
+    """Return the file of a board given by its name or by the path of a .py file. Raises Failure if there is none."""
     if str(name).endswith(".py"):
         found = Path(name).expanduser()
         if not found.is_file():
@@ -49,7 +49,7 @@ def path(name):
 
 
 def load(name):
-    """The BOARD dict of a board given by name or path, as it stands there. Raises Failure if the file is wrong."""
+    """Return the BOARD dict of a board given by name or path, as it stands there. Raises Failure if the file is wrong."""
     found = path(name)
     return check_board(parse_table(read(found), found), name)
 
@@ -80,7 +80,7 @@ def _check_speeds(board):
 
 
 def board_py(name):
-    """The bytes of board.py for a board given by name or path. Raises Failure."""
+    """Return the bytes of board.py for a board given by name or path. Raises Failure."""
     found = path(name)
     text = read(found)
     own = own_table(text, found)
@@ -91,7 +91,7 @@ def board_py(name):
 
 
 def settings_of(board):
-    """The settings of a board that was checked, its languages' and options' too: {number: (name, decimals, default, least, most)}."""
+    """Return the settings of a board that was checked, its languages' and options' too: {number: (name, decimals, default, least, most)}."""
     from passo.config import setting_numbers
 
     found = setting_numbers.make(board)
@@ -103,17 +103,17 @@ def settings_of(board):
 
 
 def text_of(board):
-    """The text of a board file that has these values."""
+    """Return the text of a board file that has these values."""
     return f"BOARD = {text_of_value(board, 0)}\n"
 
 
 def names_like(base):
-    """Names of the project's boards that say "like": `base`."""
+    """Return the names of the project's boards that say "like": `base`."""
     return [name for name in names() if own_table(read(path(name)), path(name)).get(LIKE) == base]
 
 
 def read(found):
-    """The text of a board file. Raises Failure."""
+    """Return the text of a board file. Raises Failure."""
     try:
         with tokenize.open(found) as file:
             return file.read()
@@ -122,12 +122,12 @@ def read(found):
 
 
 def parse_table(text, found):
-    """The BOARD dict of a board file's text, whole; `found`: where it stands. Raises Failure, with its line, if a statement is more than data."""
+    """Return the BOARD dict of a board file's text, whole; `found`: its path. Raises Failure, with its line, if a statement is more than data."""
     return merge_into_base(own_table(text, found), found)
 
 
 def merge_into_base(board, found):
-    """`board` merged into the board of boards/ that it is like, or as it is. Raises Failure."""
+    """Return `board` merged into the board of boards/ that it is like, or as it is. Raises Failure."""
     if LIKE not in board:
         return board
     base = board[LIKE]
@@ -147,9 +147,9 @@ def merge_into_base(board, found):
 
 
 def merge_changes(base, changes, where=""):
-    """`base` with `changes`; both stay as they are. None removes a key. A dict is merged key by key; a list of things that have names, such
-    as axes or links, name by name: known ones are changed where they stand, new ones go to the end. A dict in the place of such a list is
-    {name: changes}, so that None removes one. Any other value replaces the old one. Raises Failure."""
+    """Return `base` with `changes`; both stay as they are. None removes a key. A dict is merged key by key; a list of things that have names, such as
+    axes or links, name by name: known ones are changed where they stand, new ones go to the end. A dict in the place of such a list is {name:
+    changes}, so that None removes one. Any other value replaces the old one. Raises Failure."""
     result = {key: copy.deepcopy(value) for key, value in base.items() if key not in changes}
     for key, change in changes.items():
         before, at = base.get(key), f"{where}{key}"
@@ -166,6 +166,7 @@ def merge_changes(base, changes, where=""):
 
 
 def _merge_list(before, change, at):
+    """Return a list of named things with a list or a dict of changes. `at`: its key, for errors. Raises Failure."""
     if not isinstance(change, dict):
         listed = [item["name"] for item in change]
         if twice := [name for name in listed if listed.count(name) > 1]:
@@ -177,11 +178,12 @@ def _merge_list(before, change, at):
 
 
 def _has_names(value):
+    """True if a value is a list of dicts that each have a name."""
     return isinstance(value, list) and bool(value) and all(isinstance(item, dict) and isinstance(item.get("name"), str) for item in value)
 
 
 def text_of_value(value, indent):
-    """The text of a value behind `indent` columns: a value that does not fit on a line of 120 characters has a line an item."""
+    """Return the text of a value behind `indent` columns: a value that does not fit on a line of 120 characters has a line an item."""
     text, inner = _value_text(value), " " * (indent + 4)
     if len(text) + indent <= 120 and indent or not value or not isinstance(value, (dict, list)):
         return text
@@ -192,6 +194,7 @@ def text_of_value(value, indent):
 
 
 def _value_text(value):
+    """Return the text of a value on one line."""
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, dict):
@@ -202,7 +205,7 @@ def _value_text(value):
 
 
 def own_table(text, found):
-    """The dict of a board file itself: only the differences, if it is like another."""
+    """Return the dict of a board file itself: only the differences, if it is like another. Raises Failure."""
     try:
         with warnings.catch_warnings(action="ignore"):  # a backslash that means nothing, in a comment of several lines
             statements = ast.parse(text).body
@@ -223,18 +226,19 @@ def own_table(text, found):
 
 
 def _board_value(statement):
-    """The value of `BOARD = …`. Raises ValueError or another error if it is another statement, or more than plain values."""
+    """Return the value of `BOARD = …`. Raises ValueError or another error if it is another statement, or more than plain values."""
     if not _assigns_board(statement):
         raise ValueError
     return ast.literal_eval(statement.value)
 
 
 def _assigns_board(statement):
+    """True if a statement is `BOARD = …`."""
     return isinstance(statement, ast.Assign) and [getattr(target, "id", "") for target in statement.targets] == ["BOARD"]
 
 
 def _first_line_of_code(statement):
-    """The line of the first part of a statement that is no plain value; its own if all of them are."""
+    """Return the line of the first part of a statement that is no plain value; its own if all of them are."""
     waiting = [statement.value] if _assigns_board(statement) else []
     while waiting:
         node = waiting.pop()
@@ -245,18 +249,18 @@ def _first_line_of_code(statement):
 
 
 def _why_no_python(error):
-    """Why a text is no Python, in the interpreter's words and with the line."""
+    """Return the reason why a text is no Python, in the interpreter's words and with the line."""
     if isinstance(error, SyntaxError) and error.lineno:
         return f"{error.msg} ({line_text(error.lineno)})"
     return reason(error) if str(error) else type(error).__name__
 
 
 def steps_per_mm(board):
-    """Steps per millimetre of X and Y, as floats."""
+    """Return the steps per millimetre of X and Y, as floats."""
     x_axis, y_axis = board["axes"][0], board["axes"][1]
     return x_axis["steps_per_m"] / 1000, y_axis["steps_per_m"] / 1000
 
 
 def travel_steps(board):
-    """The largest coordinate of X and Y in steps; the smallest is 0."""
+    """Return the largest coordinate of X and Y in steps; the smallest is 0."""
     return board["axes"][0]["travel_steps"], board["axes"][1]["travel_steps"]

@@ -14,13 +14,13 @@ class Failure(Exception):
         return fill_in(*self.args) if self.args else ""
 
     def message(self):
-        """The text in the current language. Half a character, which no terminal takes, is shown by its number."""
+        """Return the text in the current language. Half a character, which no terminal takes, is shown by its number."""
         text = _(*(each.message() if isinstance(each, Failure) else each for each in self.args)) if self.args else ""
         return text.encode("utf-8", "backslashreplace").decode()
 
 
 def reason(error):
-    """Why the system refused something (an OSError), or the firmware a board file (BoardError), in the language that was chosen; of any
-    other error its own words."""
+    """Return the reason why the system refused something (an OSError), or the firmware a board file (BoardError), in the language that was chosen; of
+    any other error its own words."""
     why = getattr(error, "strerror", None)
     return _(why) if why else board_file_error(str(error))

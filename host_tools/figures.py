@@ -5,8 +5,8 @@
 
 
 def pyplot():
-    """matplotlib.pyplot, which draws into files, by matplotlib's own defaults: a `matplotlibrc` in the current folder may be another's, and could
-    have it run LaTeX."""
+    """Return matplotlib.pyplot, which draws into files, with matplotlib's own defaults: a `matplotlibrc` in the current folder may be another's, and
+    could have it run LaTeX."""
     import matplotlib
 
     matplotlib.rcdefaults()

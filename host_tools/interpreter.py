@@ -22,29 +22,31 @@ _RUN_MICROPYTHON = "import sys; sys.path.append({!r}); import micropython_unix; 
 
 
 def python(*folders):
-    """The command that runs CPython; -m MODULE, -c CODE or a script follow. With `folders` a script follows, which finds modules there, too."""
+    """Return the command that runs CPython; -m MODULE, -c CODE or a script follow. With `folders` a script follows, which finds modules there, too.
+    """
     flags = ["-P", "-E", *["-s"] * bool(sys.flags.no_user_site), *["-X", "utf8"] * bool(sys.flags.utf8_mode)]
     return [sys.executable, *flags, *(["-c", _RUN_SCRIPT.format([os.path.abspath(each) for each in folders])] if folders else [])]
 
 
 def passo(*words):
-    """The command that runs `passo` with these words."""
+    """Return the command that runs `passo` with these words."""
     return [*python(), "-m", "host_tools.cli", *map(str, words)]
 
 
 def mpremote(port):
-    """The command that runs mpremote with the board on `port`; its own commands follow."""
+    """Return the command that runs mpremote with the board on `port`; its own commands follow."""
     return [*python(), "-m", "mpremote", "connect", port]
 
 
 def micropython():
-    """The command that runs MicroPython, or None: it is a module of CPython, which starts in 6 ms instead of 18 if it looks for no others."""
+    """Return the command that runs MicroPython, or None: it is a module of CPython, which starts in 6 ms instead of 18 if it looks for no others."""
     found = importlib.util.find_spec("micropython_unix")
     return [sys.executable, "-I", "-S", "-c", _RUN_MICROPYTHON.format(os.path.dirname(found.origin))] if found else None
 
 
 def environment(*folders, **more):
-    """The environment of a program that is started, with `more` in it. MicroPython finds modules in `folders`; the user's paths are left out."""
+    """Return the environment of a program that is started, with `more` in it. MicroPython finds modules in `folders`; the user's paths are left out.
+    """
     kept = {name: value for name, value in os.environ.items() if name not in _PATHS}
     return {**kept, **({"MICROPYPATH": os.pathsep.join(map(str, folders))} if folders else {}), **more}
 

@@ -38,12 +38,13 @@ class Catalogue(gettext.NullTranslations):
             self.words.update(json.loads(file.read_text(encoding="utf-8")))
 
     def gettext(self, message):
+        """Return the words for a text; the text itself if there are none."""
         return self.words.get(message, message)
 
 
 @lru_cache(maxsize=None)
 def load_catalogue(language):
-    """The words of one of LANGUAGES."""
+    """Return the words of one of LANGUAGES; read once."""
     if language == "en":
         return gettext.NullTranslations()
     own = (HOST_TOOLS / f"{language}{part}.json" for part in ("", "_boards"))
@@ -59,7 +60,7 @@ def choose_language(language):
 
 
 def language_of(environment):
-    """The first of LANGUAGES that variables of the environment ask for: the one of most weight that is set decides."""
+    """Return the first of LANGUAGES that variables of the environment ask for: of the variables that are set, the first of _VARIABLES decides."""
     for name in _VARIABLES:
         wanted = environment.get(name, "")
         if wanted:
@@ -68,13 +69,13 @@ def language_of(environment):
 
 
 def current_language():
-    """The one of LANGUAGES in which texts come out."""
+    """Return the one of LANGUAGES in which texts come out."""
     return _asked.get() or _chosen or language_of(os.environ)
 
 
 @contextmanager
 def in_language(language):
-    """Speak one of LANGUAGES in this thread for as long as it lasts: to a page, whatever the terminal's language is."""
+    """Speak one of LANGUAGES in this thread within the block: to a page, whatever the terminal's language is."""
     before = _asked.set(language)
     try:
         yield
@@ -83,12 +84,12 @@ def in_language(language):
 
 
 def fill_in(text, *values, **named):
-    """`text` with its fields; one without values is taken as it is, braces and all."""
+    """Return `text` with its fields; one without values is taken as it is, braces and all."""
     return text.format(*values, **named) if values or named else text
 
 
 def N_(text):
-    """`text`, which a `_` elsewhere looks up: for tables."""
+    """Return `text`, which a `_` elsewhere looks up: for tables."""
     return text
 
 
@@ -105,18 +106,18 @@ _COUNTS = {
 
 
 def count_text(count, noun):
-    """“1 line”, “2 lines”, in the language chosen. `noun`: a key of _COUNTS."""
+    """Return “1 line”, “2 lines”, in the language chosen. `noun`: a key of _COUNTS."""
     text = _COUNTS[noun][count != 1]
     return _(text, count)
 
 
 def _(text, *values, **named):
-    """`text` in the language chosen, with its fields."""
+    """Return `text` in the language chosen, with its fields."""
     return fill_in(load_catalogue(current_language()).gettext(text), *values, **named)
 
 
 def reword_text(text, sentences):
-    """`text` that is one of `sentences` with its fields filled in, in the language chosen; any other as it is. Fields are reworded too."""
+    """If `text` is one of `sentences` with its fields filled in, return it in the language chosen, its fields too; any other as it is."""
     for sentence in sentences:
         found = re.fullmatch(re.escape(sentence).replace(r"\{\}", "(.*?)"), text, re.DOTALL)
         if found:
@@ -126,8 +127,8 @@ def reword_text(text, sentences):
 
 @lru_cache(maxsize=1000)
 def in_languages(text):
-    """{language: `text` in it} of another program's text in one of LANGUAGES, fields too; a text that is not ours stays as it is. "" if it is
-    empty."""
+    """Return {language: `text` in it} of another program's text in one of LANGUAGES, fields too; a text that is not ours stays as it is. "" if it is
+    empty. Searches the whole catalogue; results are kept."""
     if not text:
         return ""
     words = load_catalogue("pt").words
@@ -149,9 +150,10 @@ _FIELD = re.compile(r"\{[^{}]*\}")
 
 @lru_cache(maxsize=1)
 def _with_fields():
-    """[((English, Portuguese), (pattern of each))] of texts with fields: those with most words of their own first."""
+    """Return [((English, Portuguese), (pattern of each))] of texts with fields: those with most words of their own first."""
 
     def text_pattern(text):
+        """Return a pattern that matches the text with any values in its fields."""
         return re.compile("(.*?)".join(map(re.escape, _FIELD.split(text))), re.DOTALL)
 
     words = [pair for pair in load_catalogue("pt").words.items() if _FIELD.search(pair[0]) and _FIELD.findall(pair[0]) == _FIELD.findall(pair[1])]
@@ -160,17 +162,18 @@ def _with_fields():
 
 
 def _fill_fields(form, fields):
+    """Return a text with these values in its fields, one after the other."""
     return "".join(part + field for part, field in zip(_FIELD.split(form), [*fields, ""]))
 
 
 def board_file_error(text):
-    """The firmware's text about a wrong board file, in the current language."""
+    """Return the firmware's text about a wrong board file, in the current language."""
     return reword_text(text, _board_file_sentences(current_language()))
 
 
 @lru_cache(maxsize=None)
 def _board_file_sentences(language):
-    """Sentences about board files and options, with `{}` for the firmware's values: those with most words of their own first."""
+    """Return the sentences about board files and options, with `{}` for the firmware's values: those with most words of their own first."""
     if language == "en":
         return []
     from host_tools import options
@@ -180,13 +183,13 @@ def _board_file_sentences(language):
 
 
 def line_text(number):
-    """The name of line `number` of a file."""
+    """Return the name of line `number` of a file."""
     return _("line {}", number)
 
 
 def help_pieces(help_):
-    """The paragraphs and examples of a help as (what stands before, a text of the catalogue, what follows). Of an example, a line that is
-    indented, the text is the comment behind it."""
+    """Yield the paragraphs and examples of a help as (text before, a text of the catalogue, text behind). Of an example, a line that is indented, the
+    text is the comment behind it."""
     *parts, last = re.split(r"(\n\n|\n(?=    ))", help_ or "")
     for part, end in zip([*parts[::2], last], [*parts[1::2], ""], strict=True):
         example = re.match(r"(\s+.*?)(#|$)\s*(.*)|(Example:)(.*)", part, re.DOTALL)
@@ -211,7 +214,7 @@ def translate_help(command):
 
 
 def error_text(number):
-    """The meaning of error or alarm `number`, in one line."""
+    """Return the meaning of error or alarm `number`, in one line."""
     from passo import error_texts
 
     return _(error_texts.text(number))

@@ -11,7 +11,7 @@ import stat
 
 
 def open_lock(path):
-    """The descriptor of a file of this user's that only this user may open; made if there is none. Raises OSError with the file's name if
+    """Return the descriptor of a file of this user's that only this user may open; made if there is none. Raises OSError with the file's name if
     something else lies there."""
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK, 0o600)
     try:

@@ -19,29 +19,30 @@ _FOLDER = Path(passo.options.__file__).parent
 
 @lru_cache(maxsize=1)
 def words_of_options():
-    """{option: its words.py} of the options that have one."""
+    """Return {option: its words.py} of the options that have one."""
     return {path.parent.name: import_module(f"passo.options.{path.parent.name}.words") for path in sorted(_FOLDER.glob("*/words.py"))}
 
 
 def _merge_tables(name):
+    """Return the tables of that name in all options' words.py as one dict."""
     return {key: value for own in words_of_options().values() for key, value in getattr(own, name, {}).items()}
 
 
 def setting_rows():
-    """{number: (name, unit, least, most)} of the settings that options add."""
+    """Return {number: (name, unit, least, most)} of the settings that options add."""
     return _merge_tables("SETTINGS")
 
 
 def axis_settings():
-    """The same of those that each axis has, by the number of the first one's."""
+    """Return the same of those that each axis has, by the number of the first one's."""
     return _merge_tables("AXIS_SETTINGS")
 
 
 def status_names():
-    """{word of a status report: its name}."""
+    """Return {word of a status report: its name}."""
     return _merge_tables("STATUS")
 
 
 def portuguese_texts():
-    """{text: the same in Portuguese}."""
+    """Return {text: the same in Portuguese}."""
     return _merge_tables("PORTUGUESE")

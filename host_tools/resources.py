@@ -31,12 +31,12 @@ ADDRESS = ""  # of the project, once a release was made; README and tests ask it
 
 
 def address():
-    """The address of the project, in words for people."""
+    """Return the address of the project, in words for people."""
     return ADDRESS or "not published yet"
 
 
 def version():
-    """The version in pyproject.toml; of an installation, the one that pip has noted."""
+    """Return the version in pyproject.toml; of an installation, the one that pip has noted."""
     if FIRMWARE == ROOT:
         return metadata.version("passo")
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]

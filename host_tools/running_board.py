@@ -14,7 +14,7 @@ from host_tools.language import _
 
 
 def as_set(board, settings):
-    """The board file with steps/mm, travel and the spindle's laser and highest speed from a machine's settings, {number: value}. Axes without
+    """Return the board file with steps/mm, travel and the spindle's laser and highest speed from a machine's settings, {number: value}. Axes without
     steps/mm in the settings are left out; without any settings all stay."""
     axes, spindle = [], dict(board.get("spindle") or {})
     for number, axis in enumerate(board["axes"]):
@@ -29,8 +29,8 @@ def as_set(board, settings):
 
 
 def as_running(board, language, port, baud=None):
-    """(the board file as the board at `port` has it, a line that says whose steps/mm count). A board that does not tell its settings, such as a
-    document's own, or a computer without a port, `port` None, has the file's."""
+    """Return (the board file as the board at `port` has it, a line that says whose steps/mm count). A board that does not tell its settings, such as
+    a document's own, or a computer without a port, `port` None, has the file's."""
     if port is None:
         return board, _("steps/mm {}: the board file's", _scale_text(board))
     from host_tools.clients import settings
@@ -44,7 +44,7 @@ def as_running(board, language, port, baud=None):
 
 
 def by_client(board, client):
-    """The same of a board that a client of any language but grbl is connected to."""
+    """Return as_running() of a board that a client of any language but grbl is connected to."""
     from host_tools.clients.settings import Asked
 
     try:
@@ -55,11 +55,12 @@ def by_client(board, client):
 
 
 def _ask_settings(asked, board):
-    """{number: value} of its steps/mm and travel."""
+    """Return {number: value} of the board's steps/mm and travel. Raises Failure."""
     return {first + axis: asked.get(first + axis) for axis in range(len(board["axes"])) for first in (STEPS, TRAVEL)}
 
 
 def _compare_scales(board, found):
+    """Return (the board file with the settings `found`, None: none; a line that says whose steps/mm count)."""
     if found is None:
         return board, _("steps/mm {}: the board file's, for the board tells no settings", _scale_text(board))
     here = as_set(board, found)
@@ -69,8 +70,10 @@ def _compare_scales(board, found):
 
 
 def _scales_of(board):
+    """Return the steps a metre of each axis."""
     return [axis["steps_per_m"] for axis in board["axes"]]
 
 
 def _scale_text(board):
+    """Return the steps/mm of each axis, for people."""
     return ", ".join(f"{axis['name'].upper()} {axis['steps_per_m'] / 1000:.3f}" for axis in board["axes"])

@@ -16,13 +16,15 @@ _NUMBERED = {f"p{number}" for number in range(10)}
 
 
 def outputs_without_switch(board):
-    """Names of the outputs that nothing switches."""
+    """Return the names of the outputs that nothing switches."""
     gcode = any(link["protocol"] == "grbl" for link in board["links"])
     clamped = "clamp" in names_of(board.get("outputs"), 2)
     return [item["name"] for item in board.get("outputs", ()) if not _is_switched(item, gcode, clamped)]
 
 
 def _is_switched(item, gcode, clamped):
+    """True if a language or a feature of the firmware switches an output. `gcode`: a link speaks grbl; `clamped`: the board has a clamp, which M10
+    and M11 are for."""
     name = item["name"]
     if name[:6] == "enable" or item.get("role", "none") != "none":
         return True
@@ -33,18 +35,19 @@ def _is_switched(item, gcode, clamped):
 
 
 def caution_lines(board):
-    """A sentence of each output that nothing switches."""
+    """Return a sentence for each output that nothing switches."""
     free = outputs_without_switch(board)
     return [_caution_text(board, name) for name in free]
 
 
 def print_cautions(board):
-    """To the terminal, beside what a command prints for programs."""
+    """Print the cautions on stderr, beside the output of a command for programs."""
     for text in caution_lines(board):
         print(text, file=sys.stderr)
 
 
 def _caution_text(board, name):
+    """Return the sentence about an output, with the names that it may have."""
     if not any(link["protocol"] == "grbl" for link in board["links"]):
         return _("caution: nothing switches the output {}: without a link that speaks grbl an output is called enable, or has a role", name)
     if name == "vacuum":

@@ -17,7 +17,7 @@ PAGE = 256  # of the flash, and of a block
 
 
 def blocks_of(pages, family):
-    """The file of pages of 256 bytes, each with its address."""
+    """Return the bytes of a UF2 file. `pages`: (address, 256 bytes at most) each; `family`: the chip's number, of FAMILIES."""
     out = bytearray()
     for number, (address, data) in enumerate(pages):
         out += struct.pack("<8I", MAGIC_START, MAGIC_SECOND, FAMILY_PRESENT, address, PAGE, number, len(pages), family)
@@ -26,7 +26,7 @@ def blocks_of(pages, family):
 
 
 def is_whole(data):
-    """Whether all blocks are there that a file says it has."""
+    """True if all blocks are there that a file says it has."""
     count = len(data) // BLOCK_BYTES
     for at in range(0, len(data), BLOCK_BYTES):
         words = struct.unpack_from("<8I", data, at) if len(data) - at >= BLOCK_BYTES else ()

@@ -13,6 +13,7 @@ _MODE = 0o644
 
 
 def write_whole(path, data):
+    """Write `data` to a new file that replaces `path` at once; an old file's mode stays, a new one's is 644. Raises OSError."""
     descriptor, made = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with open(descriptor, "wb") as file:

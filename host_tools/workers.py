@@ -45,12 +45,14 @@ class _Worker:
         theirs.close()
 
     def end(self):
+        """Kill the process."""
         self._process.kill()
         self._process.join()
         self.pipe.close()
 
 
 def _serve_items(work, pipe):
+    """Work on the items that come by `pipe` until it closes; send (result, None) or (None, error) of each. Runs in the other process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process ends it
     while True:
         try:
@@ -62,13 +64,13 @@ def _serve_items(work, pipe):
 
 
 def run_items(work, items, count, cluster):
-    """Yields (item, result) by the workers of a Dask cluster, if there is an address; else by `count` processes."""
+    """Yield (item, result) by the workers of a Dask cluster, if there is an address; else by `count` processes. Raises Failure."""
     return on_cluster(work, items, cluster) if cluster else in_processes(work, items, count)
 
 
 @contextlib.contextmanager
 def open_table(path, columns):
-    """write(cells) of a .csv file, which is there once it is whole; of no file if `path` is None. Raises Failure."""
+    """Give write(cells) of a .csv file, which is there once it is whole; of no file if `path` is None. Raises Failure."""
     if path is None:
         yield lambda cells: None
         return
@@ -88,12 +90,13 @@ def open_table(path, columns):
 
 
 def in_processes(work, items, count):
-    """Yields (item, result) by `count` processes. Items are taken as there is a process for them."""
+    """Yield (item, result) by `count` processes, as they end. Items are taken as there is a process for them. Raises the error of `work`."""
     items = iter(items)
     again = collections.deque()  # (item, which try) whose worker has died
     busy = {}  # pipe: (worker, item, which try)
 
     def begin(worker):
+        """Give a worker the next item, one to be tried again first; end the worker if there is none."""
         item, tried = again.popleft() if again else (next(items, busy), 1)
         if item is busy:  # there are no more
             worker.end()
@@ -127,7 +130,7 @@ def in_processes(work, items, count):
 
 
 def on_cluster(work, items, address):
-    """Yields (item, result) by the workers of the Dask scheduler at `address`. Raises Failure if none answers, or one has another Passo."""
+    """Yield (item, result) by the workers of the Dask scheduler at `address`. Raises Failure if none answers, or one has another Passo."""
     import distributed
 
     try:
@@ -141,6 +144,7 @@ def on_cluster(work, items, address):
         asked = {}  # key of a task: its items
 
         def submit_items(some):
+            """Send some items to the cluster as one task."""
             if some:
                 future = client.submit(_run_several, work, some, pure=False)
                 asked[future.key] = some
@@ -165,13 +169,13 @@ def on_cluster(work, items, address):
 
 
 def _run_several(work, items):
-    """([work(item) of each item], the seconds they took): a task of a cluster."""
+    """Return ([work(item) of each item], the seconds they took): a task of a cluster."""
     begun = time.monotonic()
     return [work(item) for item in items], time.monotonic() - begun
 
 
 def _look_at_workers(client, address):
-    """Raises Failure if there are no workers, or their Passo is not this one."""
+    """Raise Failure if there are no workers, or their Passo is not this one."""
     try:
         client.wait_for_workers(1, timeout=_ANSWER_S)
         versions = client.run(version)

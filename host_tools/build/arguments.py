@@ -41,7 +41,7 @@ def _names_to_keep(node):
 
 
 def _outermost_functions(node):
-    """The functions that are in no other function."""
+    """Yield the functions that are in no other function."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.FunctionDef):
             yield child
@@ -50,6 +50,7 @@ def _outermost_functions(node):
 
 
 def _rename_arguments(text, tree, kept):
+    """Return the text with short names for the arguments of its functions, without those in `kept`."""
     lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
     edits = []
     for function in _outermost_functions(tree):
@@ -60,7 +61,7 @@ def _rename_arguments(text, tree, kept):
 
 
 def _edits_of(function, kept):
-    """(line, from, to, name) of each use of an argument in a function and in those inside it."""
+    """Return (line, from, to, name) of each use of an argument in a function and in those inside it."""
     inside = [node for statement in function.body for node in ast.walk(statement)]
     own = function.args.posonlyargs + function.args.args
     short = {}

@@ -53,6 +53,7 @@ def _short_names(modules, names):
 
 
 def _is_private(name):
+    """True if a name begins with one underscore and is not short already."""
     return name.startswith("_") and not name.startswith("__") and name != "_" and not name[1:].isdigit()
 
 
@@ -62,6 +63,7 @@ def _is_of_self(node):
 
 
 def _of_self(module):
+    """Return the names of a module's private attributes and methods."""
     return {node.attr for node in module.nodes if _is_of_self(node)} | {method.name for method in module.methods}
 
 
@@ -123,6 +125,8 @@ def _modules_that_share_objects(modules):
 
 
 def _rename_private(module, attributes, own):
+    """Return the module's text with short names. `attributes`, `own`: {name: short name} of attributes and methods; of functions, classes and
+    variables."""
     lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
     indices = []  # (line, column where the old name begins, old name, new name)
     for node in module.nodes:

@@ -37,7 +37,7 @@ BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
 def budget_rows(board):
-    """[(name, text)] of a checked board."""
+    """Return [(name, text)] of a checked board."""
     claimed = sorted({pin for pin, _ in claimed_pins(board)})
     rows = [(_("pins"), _pins_text(board, claimed))]
     if board["chip"] in RP2_BLOCKS:
@@ -56,7 +56,7 @@ def budget_rows(board):
 
 
 def esp32_needs(board):
-    """(kB as files, kB frozen) of a checked board on an ESP32, or None if nobody has counted it."""
+    """Return (kB as files, kB frozen) that a checked board takes of an ESP32's memory, or None if nobody has counted it."""
     languages = {link["protocol"] for link in board["links"]}
     language = next((each for each in ("grbl", "torch", "plotter") if each in languages), None)
     page = any(link["port"] == "page" for link in board["links"])
@@ -67,7 +67,7 @@ def esp32_needs(board):
 
 
 def heap_kb(board):
-    """Heap in kB that a checked board takes of a Pico with stock MicroPython: its dearest language, and each key and link."""
+    """Return the heap in kB that a checked board takes of a Pico with stock MicroPython: its largest language, and each key and link."""
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in load_manifests().items() if board.get(key) or key in asked_by_value(board))
@@ -79,11 +79,12 @@ def heap_kb(board):
 
 
 def _stock_kb(board):
+    """Return the heap in kB of a Pico, or a Pico W, with stock MicroPython."""
     return PICO_W_KB if board.get("network") else PICO_KB
 
 
 def memory_text(board):
-    """A sentence about the memory that a checked board needs and an ESP32 has."""
+    """Return a sentence about the memory that a checked board needs and an ESP32 has."""
     (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), esp32_needs(board)
     if board["psram"]:
         return _("in the module's PSRAM")
@@ -93,7 +94,7 @@ def memory_text(board):
 
 
 def check_module(board, name):
-    """Raises Failure if a checked board asks for more than its module has, or a Pico's stock MicroPython."""
+    """Raise Failure if a checked board asks for more than its module has, or a Pico's stock MicroPython."""
     if board["chip"] == "rp2040":
         if heap_kb(board) + FREE_KB > _stock_kb(board):
             raise Failure(
@@ -113,6 +114,7 @@ def check_module(board, name):
 
 
 def _pins_text(board, claimed):
+    """Return a sentence about the pins in use, not brought out, and free."""
     if board["chip"] not in RP2_BLOCKS:
         return _("{} in use: {}", len(claimed), ", ".join(map(str, claimed)))
     inside = [pin for pin in claimed if pin not in PICO_PINS]
@@ -124,7 +126,7 @@ def _pins_text(board, claimed):
 
 
 def _pio_text(board):
-    """Of the player in block 0, and the encoders, whose program wants all of block 1."""
+    """Return a sentence about state machines: the player's in block 0, and the encoders', whose program wants all of block 1."""
     blocks = RP2_BLOCKS[board["chip"]]
     encoders = len(board.get("encoders", ()))
     player = 1
@@ -137,6 +139,7 @@ def _pio_text(board):
 
 
 def _registers_text(board):
+    """Return a sentence about the bits of shift registers in use."""
     from passo.records import REGISTER_BIT
 
     inputs = sum(item["pin"] >= REGISTER_BIT for item in board["inputs"])

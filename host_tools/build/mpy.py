@@ -56,6 +56,7 @@ class _Reader:
         self.at = 0
 
     def read_number(self):
+        """Return the number at the reader's position: seven bits a byte, the highest first."""
         value = 0
         while True:
             byte = self.data[self.at]
@@ -65,12 +66,13 @@ class _Reader:
                 return value
 
     def skip_name(self):
+        """Pass over a name."""
         length = self.read_number()
         if not length & 1:  # otherwise one of the interpreter's own
             self.at += (length >> 1) + 1
 
     def read_object(self):
-        """(its kind, how many bytes of text it has)"""
+        """Pass over an object; return (its kind, bytes of text that it has)."""
         kind = self.data[self.at]
         self.at += 1
         if kind in _CONSTANTS:
@@ -84,10 +86,11 @@ class _Reader:
         return kind, length
 
     def is_generator(self, at):
-        """1 if the prelude there is a generator's: bit 6 of its second byte, if there is one (MP_BC_PRELUDE_SIG_ENCODE)."""
+        """Return 1 if the prelude at `at` is a generator's, else 0: bit 6 of its second byte, if there is one (MP_BC_PRELUDE_SIG_ENCODE)."""
         return self.data[at + 1] >> 6 & 1 if self.data[at] & 0x80 else 0
 
     def read_function(self, found):
+        """Add the function at the reader's position, and those inside it, to `found`. Raises ValueError."""
         begin = self.at
         number = self.read_number()
         function = Function(begin, self.at, number >> 3, (number & 3) + BYTECODE)
@@ -100,6 +103,7 @@ class _Reader:
                 self.read_function(found)
 
     def _read_native(self, function):
+        """Read what stands behind a function's code: its prelude, or the flags and constants of viper. Raises ValueError for relocated code."""
         kind = function.kind
         if kind == BYTECODE:
             function.generator = self.is_generator(function.offset)
@@ -118,7 +122,7 @@ class _Reader:
 
 
 def functions_of(data):
-    """The functions of an .mpy, outer ones first; its length; where its names end; its texts among its constants: (number, where it
+    """Return a Module: the functions of an .mpy, outer ones first; its length; where its names end; its texts among its constants: (number, where it
     begins behind the names, length). Raises ValueError if it is not of version 6."""
     if data[:2] != b"M\x06":
         raise ValueError("no .mpy of version 6")
@@ -139,7 +143,7 @@ def functions_of(data):
 
 
 def block_starts(size):
-    """Offsets in the file at which its blocks begin, and how many bytes of pointers stand before each."""
+    """Return the offsets in the file at which its blocks begin, and how many bytes of pointers stand before each (littlefs: ctz(n) + 1 pointers)."""
     starts, pointers = [0], [0]
     while starts[-1] < size:
         number = len(starts)
@@ -149,7 +153,8 @@ def block_starts(size):
 
 
 def padding_before(function, offset, native):
-    """How many bytes to move a function that would begin at `offset`."""
+    """Return how many bytes to move a function that would begin at `offset`, so that it crosses no block and, if `native`, begins at a multiple of
+    four."""
     moved = -offset % 4 if function.kind != BYTECODE and native else 0
     starts, pointers = block_starts(offset + moved + function.length + BLOCK_BYTES)
     for begin, end in zip(starts, starts[1:]):
@@ -161,8 +166,8 @@ def padding_before(function, offset, native):
 
 
 def in_place(data, native=False):
-    """The .mpy with its functions moved and a table of them appended. `native`: viper and native code run in place, too. Raises ValueError if the
-    table cannot hold a function."""
+    """Return the .mpy with its functions moved and a table of them appended. `native`: viper and native code run in place, too. Raises ValueError if
+    the table cannot hold a function."""
     found, end, names, texts = functions_of(data)
     code = sum(function.length for function in found[1:])
     if found[0].kind != BYTECODE or len(data) <= INLINE_BYTES and code < _WORTH:
@@ -195,7 +200,7 @@ def in_place(data, native=False):
 
 
 def _longer_head(data, names, begin):
-    """(what is before the functions, with one name more: _CALLED; how many there are; where they begin)"""
+    """Return (the bytes before the functions, with the name _CALLED added; how many names there are; where they begin)."""
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
     count = reader.read_number() + 1
@@ -207,10 +212,9 @@ def _longer_head(data, names, begin):
 
 
 def _keep_apart(data, names):
-    """`data`, whose names end at offset `names`, with one object added if it has none and its names fill their piece of the heap.
-    MicroPython puts the numbers of names, two bytes each in whole words, and behind them the objects into one piece, and keeps a pointer
-    to where objects begin. If names fill the piece and there is no object, that points at the next piece, which is never collected then.
-    Cost: 16 bytes."""
+    """Return `data`, whose names end at offset `names`, with one object added if it has none and its names fill their piece of the heap. MicroPython
+    puts the numbers of names, two bytes each in whole words, and behind them the objects into one piece, and keeps a pointer to where objects begin.
+    If names fill the piece and there is no object, that points at the next piece, which is never collected then. Cost: 16 bytes."""
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
     count = reader.read_number()
@@ -221,7 +225,7 @@ def _keep_apart(data, names):
 
 
 def _number_bytes(value):
-    """As .mpy files and bytecode have it."""
+    """Return a number as .mpy files and bytecode have it: seven bits a byte, the highest first."""
     out = bytes([value & 0x7F])
     while value := value >> 7:
         out = bytes([value & 0x7F | 0x80]) + out
@@ -229,13 +233,13 @@ def _number_bytes(value):
 
 
 def _call_bytes(name):
-    """A function in bytecode that calls what has the name of a number, and then what that returns: `name()()`."""
+    """Return a function in bytecode that calls the global of name number `name`, and then the result: `name()()`."""
     code = b"\x00\x02\x00" + b"\x11" + _number_bytes(name) + b"\x34\x00\x34\x00\x59\x51\x63"
     return _number_bytes(len(code) << 3) + code
 
 
 def _block_of(offset, length):
-    """The block in which code at an offset of the file lies, and where in it; _MEMORY and the offset if it crosses one."""
+    """Return the block in which code at an offset of the file lies, and where in it; _MEMORY and the offset if it crosses one."""
     starts, pointers = block_starts(offset)
     block = max(number for number, start in enumerate(starts) if start <= offset)
     start = offset - starts[block] + pointers[block]

@@ -29,7 +29,7 @@ _BEHIND = re.compile(rb"  // [^\"'`]*$")  # a comment behind a line of a script
 
 
 def names_of(board):
-    """The files of the folder PAGES that a board needs."""
+    """Return the files of the folder PAGES that a board needs."""
     links = [link for link in board.get("links", []) if board.get("network")]
     small = {name for names in OF_HTTP.values() for name in names}
     names = {name for link in links if link["port"] == "http" for name in OF_HTTP.get(link["protocol"], ())}
@@ -40,12 +40,12 @@ def names_of(board):
 
 
 def error_list():
-    """{number: text} of all errors and alarms."""
+    """Return {number: text} of all errors and alarms."""
     return {str(number): error_texts.text(number) for number in sorted(error_texts.TEXTS)}
 
 
 def strip_comments(name, text):
-    """A script or a sheet of style without indentation, empty lines and comments: bytes of a file that no person reads."""
+    """Return a script or a sheet of style without indentation, empty lines and comments: bytes of a file that no person reads."""
     if not name.endswith((".js", ".css")):
         return text
     lines = [_BEHIND.sub(b"", line).strip() for line in text.split(b"\n")]
@@ -53,11 +53,12 @@ def strip_comments(name, text):
 
 
 def bundle_modules(modules, *entries):
-    """The page's modules as one script, each in a function of its own: a file less is a request less, and 70 bytes of a board's heap.
+    """Return the page's modules as one script, each in a function of its own: a file less is a request less, and 70 bytes of a board's heap.
     `modules`: {name: text}. Raises Failure if it cannot read a module."""
     done, under_way, made = set(), [], []
 
     def add_module(name):
+        """Add a module behind those that it imports. Raises Failure."""
         if name in under_way:
             raise Failure("{} imports itself, by way of {}", name, ", ".join(under_way))
         if name in done:
@@ -83,12 +84,12 @@ def bundle_modules(modules, *entries):
 
 
 def _variable_of(name):
-    """Name of the constant that stands for a module in the bundle."""
+    """Return the name of the constant that stands for a module in the bundle."""
     return "of_" + name.removesuffix(".js")
 
 
 def texts_of(board):
-    """{name: bytes} of the files of a board, before they are packed: the page's modules are one script."""
+    """Return {name: bytes} of the files of a board, before they are packed: the page's modules are one script."""
     texts = {name: strip_comments(name, (PAGES / name).read_bytes()) for name in names_of(board)}
     if "index.html" in texts:
         modules = {name: text.decode() for name, text in texts.items() if name.endswith(".js")}
@@ -100,13 +101,13 @@ def texts_of(board):
 
 
 def page_words():
-    """The page's catalogue, with the words of options' settings."""
+    """Return the page's catalogue, with the words of options' settings."""
     of_settings = {name for name, *_ in (*options.setting_rows().values(), *options.axis_settings().values())}
     return json.loads((PAGES / "pt.json").read_text(encoding="utf-8")) | {text: said for text, said in options.portuguese_texts().items() if text in of_settings}
 
 
 def _catalogue_text(board, modules, page):
-    """The catalogue without the words of scripts that the board has not."""
+    """Return the catalogue as JSON, without the words of scripts that the board has not."""
     gone = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.js") if path.name not in names_of(board))
     here = "".join(modules.values()) + page + json.dumps([error_list(), setting_names.all_rules(_AXES)])
     kept = {text: word for text, word in page_words().items() if f'_("{text}"' not in gone or text in here}
@@ -114,7 +115,7 @@ def _catalogue_text(board, modules, page):
 
 
 def pack_files(board, out):
-    """Write the files of a board to the folder `out`, if there are any. Returns rows (name, bytes before, bytes packed)."""
+    """Write the files of a board to the folder `out`, if there are any. Return rows (name, bytes before, bytes packed)."""
     texts = texts_of(board)
     if "index.html" in texts:
         texts["errors.json"] = json.dumps(error_list()).encode()

@@ -62,13 +62,13 @@ SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 
 
 def runtime_text():
-    """The C in front of kernels: pc.c, with the numbers of runtime.c."""
+    """Return the C in front of kernels: pc.c, with the numbers of runtime.c."""
     numbers = RUNTIME.partition("// --- numbers")[2].partition("// --- objects")[0].partition("\n")[2]
     return PC.replace("/* numbers */\n", numbers)
 
 
 def compiler_command():
-    """The command of a C compiler for this PC, or None."""
+    """Return the command of a C compiler for this PC, or None."""
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name):
             return [name]
@@ -76,14 +76,14 @@ def compiler_command():
 
 
 def firmware_texts():
-    """{path: text} of the firmware, but for the ports of chips."""
+    """Return {path: text} of the firmware, without the ports of chips."""
     paths = [path for path in sorted((FIRMWARE / "passo").rglob("*.py")) if "ports" not in path.parts and not path.name.startswith("port")]
     return {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 
 def compile_library(texts=None, taken=TAKEN):
-    """Compile the kernels of `texts`, {path: text}, of which Python calls those in `taken`; default: the firmware's. Returns (path of the
-    library, its table), or None if this computer has no compiler. Raises Failure if compiling fails."""
+    """Compile the kernels of `texts`, {path: text}, of which Python calls those in `taken`; default: the firmware's. Return (path of the library, its
+    table), or None if this computer has no compiler. Takes seconds the first time. Raises Failure if compiling fails."""
     command = compiler_command()
     if command is None:
         return None
@@ -98,6 +98,7 @@ def compile_library(texts=None, taken=TAKEN):
 
 
 def _make_library(texts, taken, command, kept, table):
+    """Compile the kernels to `kept`, and write their table as JSON; another process sees both whole or not at all. Raises Failure."""
     program = Program(fold_in_place(texts))
     unit = units.Unit(program, list(program.kernels.values()))
     text = unit.pc_text(runtime_text())
@@ -144,6 +145,7 @@ def kernels_of(module, *names):
 
 @lru_cache(maxsize=8)
 def _kernels_of(choice, module, names):
+    """Return kernels_of() for a choice of the environment; each answer is kept."""
     plain, found = importlib.import_module(module), None
     if choice != "plain":
         taken = {f"{module}.{name}" for name in names}
@@ -172,9 +174,11 @@ class Finder(importlib.abc.MetaPathFinder):
         self._library = library
 
     def names_in(self, module):
+        """Return the names of the kernels of a module."""
         return [full.rpartition(".")[2] for full in self._library.kernel_names() if full.rpartition(".")[0] == module]
 
     def find_spec(self, name, path, target=None):
+        """Return the spec of a module that has kernels, with a loader that puts compiled ones into it; None for others."""
         wanted = self.names_in(name)
         spec = importlib.machinery.PathFinder.find_spec(name, path, target) if wanted else None
         if spec is not None:
@@ -187,9 +191,11 @@ class _Loader(importlib.abc.Loader):
         self._inner, self._library, self._names = inner, library, names
 
     def create_module(self, spec):
+        """Create the module as its own loader does."""
         return self._inner.create_module(spec)
 
     def exec_module(self, module):
+        """Run the module, then put compiled kernels into it."""
         self._inner.exec_module(module)
         _put_compiled(module, self._names, self._library)
 
@@ -217,7 +223,7 @@ _KEPT = 256  # objects that are remembered
 
 
 def address_of(numbers):
-    """The address of the numbers of an array, a bytearray or bytes."""
+    """Return the address of the numbers of an array, a bytearray or bytes."""
     if type(numbers) is array.array:
         return numbers.buffer_info()[0]
     if type(numbers) is bytes:
@@ -244,11 +250,11 @@ class Library:
         self._context = (ctypes.c_void_p * len(_CALLBACKS))(*[ctypes.cast(each, ctypes.c_void_p).value for each in self._functions])
 
     def kernel_names(self):
-        """Full names of kernels that are replaced, or that stand for something if they are given as arguments."""
+        """Return the full names of kernels that are replaced, or that stand for something if they are given as arguments."""
         return self._kernels.keys() | self._usual.keys()
 
     def caller_of(self, full, plain):
-        """The function that replaces a kernel in its module."""
+        """Return the function that replaces a kernel in its module."""
         made = self._make_caller(full) if full in self._kernels else plain
         if full in self._usual:
             self._codes[id(made)] = self._usual[full]
@@ -256,7 +262,7 @@ class Library:
         return made
 
     def _make_caller(self, full):
-        """A function of Python that calls a kernel."""
+        """Return a function of Python that calls a kernel."""
         name, arguments, returns, objects = self._kernels[full]
         function = self._library[f"pc_{name}"]
         function.argtypes = [ctypes.c_void_p] * objects + [ctypes.c_int32 if kind == INT else ctypes.c_void_p for _, kind in arguments]
@@ -273,7 +279,7 @@ class Library:
     # --- objects
 
     def _address_of_object(self, value):
-        """The address of the struct that C gets for an object."""
+        """Return the address of the struct that C gets for an object."""
         found = self._known.get(id(value))
         if found is None:
             found = self._known[id(value)] = value, Object(None, self._codes.get(id(value)), id(value))
@@ -282,7 +288,7 @@ class Library:
         return ctypes.addressof(found[1])
 
     def _end_call(self):
-        """Behind a call: forget objects if they are many, and raise what a callback has raised."""
+        """End a call: forget objects if they are more than _KEPT, and raise the error that a callback has noted."""
         if len(self._known) > _KEPT:
             self._known = {key: each for key, each in self._known.items() if key in self._codes}
         if self._raised is not None:
@@ -290,6 +296,7 @@ class Library:
             raise raised
 
     def _object_at(self, pointer):
+        """Return the object whose struct is at an address."""
         return self._known[Object.from_address(pointer).number][0]
 
     def _note_failure(self, error):
@@ -298,12 +305,14 @@ class Library:
         return ctypes.addressof(self._nothing)
 
     def _get_attribute(self, pointer, name):
+        """Return the struct's address of an attribute, for C."""
         try:
             return self._address_of_object(getattr(self._object_at(pointer), self._names[name]))
         except Exception as error:
             return self._note_failure(error)
 
     def _call_object(self, pointer, name, count, arguments):
+        """Call an object, or its method, for C (`name` < 0: the object itself); return the struct's address of the result."""
         try:
             function = self._object_at(pointer) if name < 0 else getattr(self._object_at(pointer), self._names[name])
             return self._address_of_object(function(*[self._object_at(arguments[number]) for number in range(count)]))
@@ -311,17 +320,19 @@ class Library:
             return self._note_failure(error)
 
     def _array_at(self, pointer):
-        """The array of the call that lies there, for a function of Python."""
+        """Return the struct's address of the array whose numbers lie at `pointer`, for a function of Python."""
         found = [value for value, made in self._known.values() if made.numbers == pointer]
         return self._address_of_object(found[0]) if found else self._note_failure(ValueError("no array lies there"))
 
     def _to_int(self, pointer):
+        """Return an object as C's integer; 0 after an error."""
         try:
             return self._object_at(pointer)
         except Exception as error:
             return self._note_failure(error) & 0
 
     def _numbers_address(self, pointer):
+        """Return the address of an array's numbers, for C; of a scratch array after an error."""
         try:
             return address_of(self._object_at(pointer))
         except Exception as error:

@@ -29,7 +29,7 @@ JOB = ROOT / "examples" / "plate.gcode"
 
 
 def wiring_drawings():
-    """{file: text} of all wiring drawings of the documents."""
+    """Return {file: text} of all wiring drawings of the documents."""
     from host_tools.wiring.drawing import wiring_svg
     from passo.config.boardfile import check
 
@@ -44,7 +44,7 @@ def wiring_drawings():
 
 
 def save_page_picture(file):
-    """A picture of the page of a virtual router that has homed and is at a job."""
+    """Write a picture of the page of a virtual router that has homed and is at a job. Takes a minute."""
     with tempfile.TemporaryDirectory() as jobs:
         shutil.copy(JOB, jobs)
         command = [*interpreter.passo(), "panel", "--demo", "--http", "0", "--jobs", jobs]
@@ -57,6 +57,7 @@ def save_page_picture(file):
 
 
 def _take_screenshot(address, file):
+    """Home the machine on its page, start JOB, and write a picture of the browser's window."""
     import io
 
     from PIL import Image

@@ -21,7 +21,7 @@ EXAMPLE = "router_3axis"
 
 
 def page_text(name):
-    """The text that a page of PAGES should have. Raises Failure if a table cannot be made."""
+    """Return the text that a page of PAGES should have. Raises Failure if a table cannot be made."""
     path = DOCS / name
     text = path.read_text(encoding="utf-8")
     wanted = "\n".join([BEGIN, "", *PAGES[name](), "", END])
@@ -35,7 +35,7 @@ def page_text(name):
 
 
 def board_keys():
-    """A table a section of the schema."""
+    """Return the lines of a table for each section of the schema. Raises Failure if a key has no meaning, or a meaning no key."""
     from passo.config import boardfile
 
     rows = []
@@ -57,7 +57,7 @@ def board_keys():
 
 
 def all_rules(boardfile):
-    """The whole schema, with the keys that few boards have."""
+    """Return the whole schema, with the keys that few boards have."""
     own = {key: rule for manifest in load_manifests().values() for key, rule in manifest.RULES.items()}
     rules = {**boardfile._BOARD, **own}
     for manifest in load_manifests().values():
@@ -67,7 +67,7 @@ def all_rules(boardfile):
 
 
 def section_texts():
-    """(SECTIONS, MEANINGS) of board_keys.py, and those of options behind them."""
+    """Return (SECTIONS, MEANINGS) of board_keys.py, and those of options behind them."""
     from host_tools.build.board_keys import MEANINGS, SECTIONS
 
     sections, meanings = dict(SECTIONS), dict(MEANINGS)
@@ -78,12 +78,12 @@ def section_texts():
 
 
 def load_manifests():
-    """{key: manifest} of all options."""
+    """Return {key: manifest} of all options."""
     return {folder.name: import_module(f"passo.options.{folder.name}.manifest") for folder in sorted((FIRMWARE / tree.OPTIONS).iterdir()) if (folder / tree.MANIFEST).is_file()}
 
 
 def key_paths(rules, prefix=""):
-    """The dotted paths of all keys of a schema that have no section of their own."""
+    """Yield the dotted paths of all keys of a schema that have no section of their own."""
     for key, rule in rules.items():
         inner = rule[0] if isinstance(rule, list) else rule
         if isinstance(inner, dict):
@@ -93,7 +93,7 @@ def key_paths(rules, prefix=""):
 
 
 def _section_rules(boardfile, name):
-    """(the rules of a section, what to say of its presence)."""
+    """Return (the rules of a section, a sentence that says if it may be left out)."""
     rules = all_rules(boardfile)
     if not name:
         return rules, ""
@@ -108,7 +108,7 @@ def _section_rules(boardfile, name):
 
 
 def spi_pins(board):
-    """(pin, wire, note) of drivers on SPI."""
+    """Yield (pin, wire, note) of drivers on SPI."""
     config = board.get("spi_drivers")
     if not config:
         return
@@ -119,10 +119,12 @@ def spi_pins(board):
 
 
 def _number_text(value):
+    """Return a number with spaces between thousands."""
     return f"{value:,}".replace(",", " ")
 
 
 def _kind_text(rule):
+    """Return the values that a rule allows: choices, bounds, or a length."""
     if isinstance(rule[0], str):
         return ", ".join(f'`"{choice}"`' for choice in rule)
     kind, _, least, most = rule
@@ -137,6 +139,7 @@ def _kind_text(rule):
 
 
 def _default_text(rule, must):
+    """Return the default of a rule, or that its key is needed."""
     if isinstance(rule[0], str):
         return f'`"{rule[0]}"`'
     if rule[1] is must:
@@ -148,7 +151,7 @@ def _default_text(rule, must):
 
 
 def pin_rows():
-    """Of each board file the pins in their order, and for a Pico where they are on its edges; boards that are alike together."""
+    """Return the lines of a table for each board file: pins in their order, and for a Pico a drawing of its edges; boards that are alike together."""
     from passo.config.boardfile import check
 
     from host_tools import boards
@@ -168,6 +171,7 @@ def pin_rows():
 
 
 def _pin_name(pin, esp32, short):
+    """Return the name of a pin, or of a register's bit (100 and above)."""
     if pin >= 100:
         side = "" if short.startswith("in ") else "Q"
         return f"{pin}: register {(pin - 100) // 8 + 1}, {side}{'ABCDEFGH'[(pin - 100) % 8]}"
@@ -175,7 +179,7 @@ def _pin_name(pin, esp32, short):
 
 
 def _pins_in_use(board):
-    """(pin, what it is, more about that) of each pin in use."""
+    """Yield (pin, its use, a note) of each pin in use."""
     from host_tools.wiring.parts import motor_pins
 
     coils = motor_pins(board["drive"]["kind"])
@@ -228,7 +232,7 @@ _RIGHT = "VBUS VSYS GND 3V3_EN 3V3 VREF GP28 GND GP27 GP26 RUN GP22 GND GP21 GP2
 
 
 def _pico_drawing(uses):
-    """The lines of a drawing of a Pico. `uses`: {pin: text}."""
+    """Yield the lines of a drawing of a Pico. `uses`: {pin: text}."""
     labels = {f"GP{pin}": text for pin, text in uses.items()}
     width = max(len(text) for text in labels.values())
     yield f"    {'':{width}}          ┌─ USB ─┐"
@@ -241,6 +245,7 @@ def _pico_drawing(uses):
 
 
 def _active_text(item):
+    """Return the level at which an input or output is active, as a note."""
     return f", active {'high' if item['active'] else 'low'}"
 
 
@@ -248,7 +253,7 @@ def _active_text(item):
 
 
 def setting_rows():
-    """A row a setting, with its value on the example board; it has not those of rare keys."""
+    """Return a row for each setting, with its value on the example board; it has not those of rare keys."""
     from passo.config import boardfile, setting_numbers
 
     from host_tools import boards
@@ -275,7 +280,7 @@ def setting_rows():
 
 
 def error_rows():
-    """A row a number; those of the compiler behind the firmware's."""
+    """Return a row for each number; those of the compiler behind the firmware's."""
     from passo import error_texts as table
 
     from host_tools.programs import program_errors

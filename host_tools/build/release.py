@@ -38,6 +38,7 @@ _NO_ANSWER = re.compile(r"ConnectionError|ServiceError|Max retries|Timeout|NameR
 
 
 def main():
+    """Carry out each step of a release, and print its time. Raises Failure."""
     os.umask(0o022)
     release = Release(OUT)
     release.check(bool(os.environ.get("DRY")))
@@ -66,7 +67,7 @@ class Release:
         }  # fmt: skip
 
     def check(self, dry):
-        """Raises Failure if this commit is no release."""
+        """Raise Failure if this commit is no release. `dry`: it needs no tag."""
         tag = f"v{version()}"
         if not (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ", 1)[1].startswith(version()):
             raise Failure("CHANGELOG.md does not begin with version {}", version())
@@ -78,6 +79,7 @@ class Release:
             print(_("no tag {} here: a try", tag))
 
     def clone(self):
+        """Clone this commit twice, into empty folders. Raises Failure."""
         shutil.rmtree(self._out, ignore_errors=True)
         self.assets.mkdir(parents=True)
         (self._out / "home").mkdir()
@@ -85,18 +87,20 @@ class Release:
             run("git", "clone", "--quiet", str(ROOT), str(folder), environment=self._clean)
 
     def test(self):
+        """Run .ci/run in the clone, unless ARGS=-. Raises Failure."""
         if os.environ.get("ARGS") == "-":
             print(_("not run: ARGS=-"))
         else:
             run(str(self._clone / ".ci" / "run"), folder=self._clone, environment=self._user)
 
     def prepare(self):
+        """Make the environment of the tools, by the hashes of locks/release.txt. Raises Failure."""
         run(*interpreter.python(), "-m", "venv", str(self._tools), environment=self._clean)
         self._run_pip("--no-deps", "--require-hashes", "-r", "locks/release.txt")
         self._run_pip("--no-deps", "--no-build-isolation", "-e", ".")
 
     def packages(self):
-        """sdist and wheel, the wheel out of the sdist; the same bytes from another clone, in another folder."""
+        """Build sdist and wheel, the wheel out of the sdist; again in another clone. Raises Failure if the bytes differ."""
         self._run_module("host_tools.build.ship")
         shutil.copytree(self._clone / "host_tools" / "kernels" / "modules", self._again / "host_tools" / "kernels" / "modules")
         for folder in (self._clone, self._again):
@@ -111,6 +115,7 @@ class Release:
             shutil.copy(path, self.assets)
 
     def uf2s(self):
+        """Build the UF2 of each of CHIPS, and run the emulated Pico's tests with it. Raises Failure."""
         for chip in os.environ.get("CHIPS", CHIPS).split():
             self._run_module("host_tools.build.uf2", chip)
             if chip in EMULATED and os.environ.get("ARGS") != "-":  # it says so where it has no Pico to be run on
@@ -118,7 +123,7 @@ class Release:
                     environment={**self._user, "PASSO_UF2_FROZEN": str(self.assets)})  # fmt: skip
 
     def mip(self):
-        """A folder of files for each board that stock MicroPython has room for, with the package.json that mip takes."""
+        """Zip a folder of files for each board that stock MicroPython has room for, with the package.json that mip takes. Raises Failure."""
         for board in sorted(path.stem for path in (self._clone / "boards").glob("[a-z]*.py")):
             try:
                 self._run_module("host_tools.cli.main", "build", "--board", board)
@@ -131,11 +136,12 @@ class Release:
         write_zip(built, self.assets / f"passo-{version()}-mip.zip", self._commit_s)
 
     def site(self):
+        """Build the static site, and zip it. Raises Failure."""
         self._run_module("host_tools.cli.main", "site", "--out", "build/site")
         write_zip([self._clone / "build" / "site"], self.assets / f"passo-{version()}-site.zip", self._commit_s)
 
     def bill(self):
-        """Write the SBOM: the packages that the lock installs, with licences."""
+        """Write the SBOM: the packages that the lock installs, with licences. Raises Failure."""
         target = self.assets / f"passo-{version()}.cdx.json"
         run(str(self._python), "-m", "cyclonedx_py", "environment", "--output-reproducible", "--pyproject", "pyproject.toml", "-o", str(target),
             str(self._python), folder=self._clone, environment=self._clean)  # fmt: skip
@@ -155,13 +161,15 @@ class Release:
             raise Failure("pip-audit: {}", done.stdout.strip().splitlines()[-1])
 
     def sums(self):
+        """Copy CHANGELOG.md, and write SHA256SUMS of all assets."""
         shutil.copy(self._clone / "CHANGELOG.md", self.assets)
         rows = [f"{file_digest(path)}  {path.name}\n" for path in sorted(self.assets.iterdir())]
         (self.assets / "SHA256SUMS").write_text("".join(rows), encoding="ascii")
         print("".join(rows), end="")
 
     def try_wheel(self):
-        """Install the wheel by pip in each Python of PYTHONS, and run try_installed there; with the UF2 of an RP2040, if one was built."""
+        """Install the wheel by pip in each Python of PYTHONS, and run try_installed there; with the UF2 of an RP2040, if one was built. Raises
+        Failure."""
         wheel, = self.assets.glob("*.whl")
         uf2 = [str(path) for path in self.assets.glob("passo-rp2040-*.uf2")]
         for name in os.environ.get("PYTHONS", PYTHONS).split():
@@ -175,18 +183,21 @@ class Release:
             run(str(python), "-m", "host_tools.build.try_installed", *uf2, folder=self._out / "home", environment=self._clean)
 
     def _run_pip(self, *words):
+        """Install packages into the environment of the tools. Raises Failure."""
         run(str(self._python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words, folder=self._clone, environment=self._clean)
 
     def _run_module(self, *words):
+        """Run a module in the clone, by the tools' Python. Raises Failure."""
         run(str(self._python), "-m", *words, folder=self._clone, environment=self._clean)
 
 
 def python_of(folder):
+    """Return the Python of a virtual environment."""
     return folder / ("Scripts" if os.name == "nt" else "bin") / "python"
 
 
 def run(*command, environment, folder=ROOT):
-    """A command whose words are seen as they come; raises Failure with the last of them."""
+    """Run a command, and print its output as it comes. Raises Failure with its last lines."""
     print("$", *command, flush=True)
     process = subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     lines = []
@@ -198,10 +209,12 @@ def run(*command, environment, folder=ROOT):
 
 
 def output_of(*command, folder):
+    """Return a command's output. Raises CalledProcessError."""
     return subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
 
 
 def file_digest(path):
+    """Return a file's SHA-256 in hexadecimal."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -216,7 +229,7 @@ def write_zip(folders, target, when_s):
 
 
 def normalise_tar(path, when_s):
-    """The same of a .tar.gz, whose members have the times, owners and modes of where it was made."""
+    """Write a .tar.gz anew with sorted files, one time, no owners, and modes 644 or 755: equal files give equal bytes."""
     with tarfile.open(path) as file:
         members = [(info, file.extractfile(info).read()) for info in sorted(file.getmembers(), key=lambda info: info.name) if info.isfile()]
     packed = io.BytesIO()

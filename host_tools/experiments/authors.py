@@ -24,7 +24,7 @@ class Place:
     page: int
 
     def text(self):
-        """“plotter 2014, p. 76, table 8”."""
+        """Return the name of the place for people: “plotter 2014, p. 76, table 8”."""
         kind, _space, number = self.name.rpartition(" ")
         part = _(PARTS[kind], number) if kind in PARTS else _(self.name)
         document = read_data()["documents"][self.document]
@@ -45,21 +45,23 @@ class Author:
 
 @lru_cache
 def read_data():
+    """Return the contents of authors.json; read once."""
     return json.loads((Path(__file__).parent / "authors.json").read_text(encoding="utf-8"))
 
 
 def document_place(name):
+    """Return the Place of that name in a document. Raises KeyError if there is none."""
     found = read_data()["places"][name]
     return Place(name, found["document"], found["page"])
 
 
 def author(name):
-    """Raises KeyError for a figure that no document has."""
+    """Return a figure that a document prints. Raises KeyError if no document has it."""
     found = read_data()["figures"][name]
     value = found["value"] if "value" in found else float(found["printed"].replace(",", "."))
     return Author(document_place(found["place"]), found["printed"], value, found["unit"])
 
 
 def without_figure(name):
-    """For a place at which a document tells a test and gives no figure."""
+    """Return an Author for a place at which a document tells a test and gives no figure. Raises KeyError."""
     return Author(document_place(name))

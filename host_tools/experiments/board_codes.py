@@ -8,6 +8,7 @@ from passo.protocols.pulses.report import port_byte
 
 
 def port_image(text, config):
+    """Return the port's byte behind each code of `text`. `config`: step_program of a board file."""
     shown = []
     drives = tool = 0
     for letter in text:

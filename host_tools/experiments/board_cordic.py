@@ -12,6 +12,7 @@ GAIN = 0.607252935  # 1/K of 15 steps, put into the start vector
 
 
 def document_end(radius, degrees):
+    """Return the end (x, y) of an arc from (radius, 0) by `degrees`: CORDIC of 15 steps in floating point, as the mill's document of 2004 has it."""
     x = radius * GAIN
     y = 0.0
     left = degrees
@@ -33,4 +34,5 @@ def document_end(radius, degrees):
 
 
 def firmware_end(radius, angle):
+    """Return the end (x, y), integers, of an arc from (radius, 0) by `angle` in 2⁻³² turn."""
     return rotate(radius, 0, angle)

@@ -16,6 +16,7 @@ sleep_us = getattr(time, "sleep_us", None) or (lambda us: time.sleep(us / 1e6))
 
 
 def integer_line(x1, y1, x2, y2, out):
+    """Write the step masks of a line by Bresenham, appendix C of 2014, to `out`; return how many."""
     dx = abs(x2 - x1)
     dy = abs(y2 - y1)
     if dx >= dy:
@@ -24,7 +25,7 @@ def integer_line(x1, y1, x2, y2, out):
 
 
 def integer_steps(major, minor, dominant, other, out):
-    """A step of the other axis only if the decision is above 0."""
+    """Write `major` masks to `out`: a step of the other axis only if the decision is above 0. Return how many."""
     decision = 2 * minor - major
     east = 2 * minor
     north_east = 2 * (minor - major)
@@ -42,13 +43,14 @@ def integer_steps(major, minor, dominant, other, out):
 
 
 def float_line(x1, y1, x2, y2, out):
+    """Write the step masks of a line in floating point, appendix G of 2014, to `out`; return how many."""
     if abs(x2 - x1) >= abs(y2 - y1):
         return float_steps(x1, y1, x2, y2, 1, 2, out)
     return float_steps(y1, x1, y2, x2, 2, 1, out)
 
 
 def float_steps(a0, b0, a1, b1, dominant, other, out):
-    """Axis a leads: the distance along it times the slope, truncated, is the other axis's position."""
+    """Write a mask a step of axis a: the distance along it times the slope, truncated, is the other axis's position. Return how many."""
     if a0 == a1:
         return 0
     slope = (b1 - b0) / (a1 - a0)
@@ -64,6 +66,7 @@ def float_steps(a0, b0, a1, b1, dominant, other, out):
 
 
 def time_lines(line, points, out):
+    """Compute all lines between `points` by `line`; return (microseconds, steps)."""
     begun = ticks_us()
     steps = 0
     for at in range(1, len(points)):
@@ -74,7 +77,8 @@ def time_lines(line, points, out):
 
 
 def time_paced(line, points, out, half_us):
-    """The processor computes, waits while the clock is low and while it is high, and computes again: no step is ahead of its time."""
+    """Return the microseconds of drawing `points` at a pace: compute, wait `half_us` while the clock is low and again while it is high. No step is
+    ahead of its time."""
     begun = ticks_us()
     for at in range(1, len(points)):
         x1, y1 = points[at - 1]

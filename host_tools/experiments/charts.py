@@ -17,7 +17,7 @@ NARROW = 30  # a bar whose figure is written smaller
 
 
 def draw_bars(names, groups, unit):
-    """`groups`: {label: a value a name}; None is a gap."""
+    """Return an SVG of bars side by side. `groups`: {label: a value for each name}; None is a gap."""
     values = [value for each in groups.values() for value in each if value is not None]
     ends = _axis_scale(min([0, *values]), max([0, *values]))
     parts, wide = [], (WIDTH - LEFT - RIGHT) / len(names)
@@ -33,7 +33,7 @@ def draw_bars(names, groups, unit):
 
 
 def draw_dots(groups, across, unit):
-    """`groups`: {label: [(x, y), …]}."""
+    """Return an SVG of points. `groups`: {label: [(x, y), …]}; `across`: label of the x axis."""
     points = [point for each in groups.values() for point in each]
     across_ends = _axis_scale(min(x for x, _y in points), max(x for x, _y in points))
     ends = _axis_scale(min(0, *(y for _x, y in points)), max(0, *(y for _x, y in points)))
@@ -48,7 +48,7 @@ def draw_dots(groups, across, unit):
 
 
 def _axis_scale(low, high):
-    """(first, last, step) of an axis around both values: a step of 1, 2 or 5 times a power of ten. Of equal values: one around them."""
+    """Return (first, last, step) of an axis around both values: a step of 1, 2 or 5 times a power of ten. Equal values get an axis around them."""
     if high == low:
         low, high = low - 1, high + 1
     rough = (high - low) / TICKS
@@ -58,21 +58,25 @@ def _axis_scale(low, high):
 
 
 def _tick_values(ends):
+    """Return the values of an axis at which it has a tick. `ends`: of _axis_scale()."""
     low, high, step = ends
     return [low + at * step for at in range(round((high - low) / step) + 1)]
 
 
 def _x_of(value, ends):
+    """Return the x of a value, in the SVG's units."""
     low, high, _step = ends
     return LEFT + (WIDTH - LEFT - RIGHT) * (value - low) / (high - low)
 
 
 def _y_of(value, ends):
+    """Return the y of a value, in the SVG's units: upwards is less."""
     low, high, _step = ends
     return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - low) / (high - low)
 
 
 def _bar_parts(x, width, value, ends, colour):
+    """Return a bar from zero to a value, and the figure above it."""
     top, zero = _y_of(value, ends), _y_of(0, ends)
     return [
         f'<rect x="{x:.1f}" y="{min(top, zero):.1f}" width="{width:.1f}" height="{abs(top - zero):.1f}" rx="1.5" fill="{colour}"/>',
@@ -81,6 +85,7 @@ def _bar_parts(x, width, value, ends, colour):
 
 
 def _axis_parts(ends, unit):
+    """Return the lines and figures of the y axis."""
     parts = [_text_element(LEFT, TOP - 14, unit, "end")]
     for value in _tick_values(ends):
         y = _y_of(value, ends)
@@ -90,6 +95,7 @@ def _axis_parts(ends, unit):
 
 
 def _legend_parts(groups):
+    """Return the legend; [] of a single group."""
     if len(groups) < 2:
         return []
     parts, x = [], LEFT + 30
@@ -100,8 +106,10 @@ def _legend_parts(groups):
 
 
 def _text_element(x, y, text, anchor="middle", size=12):
+    """Return a text as an SVG element."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}">{escape(str(text))}</text>'
 
 
 def _svg_of(parts):
+    """Return an SVG of these elements."""
     return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" font-family="sans-serif" fill="#333">{"".join(parts)}</svg>'

@@ -29,6 +29,7 @@ class Port:
         self.machine.run_ms(100)
 
     def send_order(self, *words):
+        """Send an order, and wait for its ok. Raises Failure if the machine answers with an error."""
         machine = self.machine
         machine.take()
         machine.send(frame(*words))
@@ -38,13 +39,14 @@ class Port:
             raise Failure("{!r} was answered by {!r}", words[0], said.strip())
 
     def play_codes(self, text):
+        """Load pulse codes and run them; returns as the run begins. Raises Failure."""
         self.send_order("load", len(text))
         self.machine.send(b"\n" + text.encode())
         self.send_order("end")
         self.send_order("run")
 
     def ask_status(self):
-        """Fields of its status."""
+        """Return the fields of the machine's status."""
         machine = self.machine
         machine.send(frame("?"))
         machine.run_until(lambda: b">" in machine.replies_so_far(), MOST_MS)
@@ -53,12 +55,12 @@ class Port:
 
 
 def why_left_out(raw):
-    """Why a board of this board file makes no bytes; "" if it does."""
+    """Return the reason why a board of this board file makes no bytes; "" if it does."""
     return "" if any(link["protocol"] == "pulses" for link in raw["links"]) else _("its firmware does not speak pulses")
 
 
 def port_bytes(place):
-    """The port's byte at each code of FILE, as text in hexadecimal."""
+    """Return the port's byte at each code of FILE, as text in hexadecimal."""
     config = {key: boards.load("lpt_router")["step_program"][key] for key in ("port_bits", "port_invert")}
     if place.kind == VIRTUAL:
         from host_tools.experiments.board_codes import port_image
@@ -72,7 +74,7 @@ def port_bytes(place):
 
 
 def read_speeds(place):
-    """{code: mm/min that the status shows behind it}, for SPEEDS."""
+    """Return {code: mm/min that the status shows behind it}, for SPEEDS."""
     found = {}
     for code, _name in SPEEDS:
         port = Port(place)
@@ -86,7 +88,8 @@ def read_speeds(place):
 
 
 def period_us(place, code):
-    """Microseconds from one step of a code to the next, at the default speed, by the motors: the first interval has the direction's set-up in it."""
+    """Return the microseconds from one step of a code to the next, at the default speed, by the motors. The first interval, which has the direction's
+    set-up in it, is left out."""
     port = Port(place)
     try:
         port.play_codes(f"[{code * (PERIODS + 2)}]")
@@ -98,6 +101,7 @@ def period_us(place, code):
 
 
 def run(place):
+    """Return the Outcome: bytes of the port, and except on a board the speeds, and the diagonal of a triangle."""
     printed = author("bytes of the port")
     wanted, shown = printed.printed.split(), port_bytes(place)
     outcome = Outcome(_("the file of the document, code by code: the byte that the status shows of the port"))

@@ -22,6 +22,7 @@ MOST_MS = 120_000
 
 
 def run(place):
+    """Return the Outcome: times of both lines at the motors' pace on a chip, and of Passo on a virtual or emulated machine."""
     outcome = Outcome(_how_text(place))
     paced = {} if place.kind == VIRTUAL else measure_paced(place)
     drawn = {} if place.kind == BOARD else draw_objects(place)
@@ -44,6 +45,7 @@ def run(place):
 
 
 def _how_text(place):
+    """Return the way of measuring at this place, as clauses of a sentence."""
     chip = _("each line computes a step's pins and waits {} µs twice a step, without pins, in MicroPython on the chip", SPEED)
     passo = _("Passo draws the same objects from packets, from the first byte to DONE, the pen's solenoid included")
     sizes = _("the document shows its objects as pictures without sizes: these are of the same kinds and point counts, so compare percentages, not seconds")
@@ -51,7 +53,7 @@ def _how_text(place):
 
 
 def measure_paced(place):
-    """{name: (seconds of the integer line, of the float line)}"""
+    """Return {name of an object: (seconds of the integer line, of the float line)}."""
     chip = place.start_chip("plotter_2014")
     chip.exec(program_text("board_lines.py"))
     chip.exec(ON_THE_CHIP.format(longest=LONGEST))
@@ -63,7 +65,7 @@ def measure_paced(place):
 
 
 def draw_objects(place):
-    """{name: seconds from an object's first packet to DONE}; "log" is the square of figure 48. Each begins at 0;0."""
+    """Return {name: seconds from an object's first packet to DONE}; "log" is the square of figure 48. Each begins at 0;0."""
     from host_tools.drawings.objects import objects
 
     machine = place.create_machine("plotter_2014", start=(60, 40), trace=None)
@@ -77,6 +79,7 @@ def draw_objects(place):
 
 
 def _draw_object(machine, points):
+    """Draw an object, return the seconds from its first packet to DONE, and go back to 0;0."""
     begun = machine.now_ms()
     for down, x, y in points:
         _send_packet(machine, "LINE" if down else "MOVE", b"n", x, y)
@@ -88,13 +91,14 @@ def _draw_object(machine, points):
 
 
 def _send_packet(machine, command, answer, x=0, y=0):
-    """Raises TimeoutError without an answer, Failure for another one."""
+    """Send a packet and wait for its answer, a byte. Raises TimeoutError without an answer, Failure for another one."""
     said = machine.ask(packet(COMMANDS[command], x, y), limit_ms=MOST_MS)
     if said != answer:
         raise Failure("{!r} was answered by {!r}", f"{command} {x} {y}", said)
 
 
 def _add_picture(outcome, paced, drawn):
+    """Add the picture of all drawing times, in seconds."""
     names = list(points_of())
     groups = {_("the document, integer"): [author(f"{name} integer").value for name in names]}
     if paced:

@@ -33,7 +33,7 @@ EXPERIMENTS = {
 
 
 def check_names(names):
-    """`names`, or all of them. Raises Failure for one that is not there."""
+    """Return `names` without repetitions, or all experiments. Raises Failure for an unknown one."""
     for name in names:
         if name not in EXPERIMENTS:
             raise Failure("no experiment {}; there are {}", name, ", ".join(EXPERIMENTS))
@@ -41,7 +41,7 @@ def check_names(names):
 
 
 def refusal(name, place):
-    """Why an experiment is left out at a place, a sentence; "" if it is not."""
+    """Return the reason why an experiment is left out at a place, a sentence; "" if it is not."""
     experiment = EXPERIMENTS[name]
     if place.kind not in experiment.kinds:
         return _("it needs a machine that the PC can look into: --on virtual or emulated")
@@ -53,8 +53,10 @@ def refusal(name, place):
 
 
 def experiment_module(name):
+    """Return the module of an experiment."""
     return import_module(f"host_tools.experiments.{name}")
 
 
 def run(name, place):
+    """Run an experiment at a place; return its Outcome. Raises Failure if it cannot be measured there."""
     return experiment_module(name).run(place)

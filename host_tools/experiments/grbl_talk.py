@@ -14,13 +14,13 @@ RESET = b"\x18"
 
 
 def wait_up(machine):
-    """Until it says how it is unlocked."""
+    """Wait until the machine says how it is unlocked. Raises TimeoutError."""
     machine.run_until(lambda: b"unlock" in machine.replies_so_far(), MOST_MS)
     machine.run_ms(60)
 
 
 def ask_line(machine, line):
-    """The machine's answer to a line, bytes. Raises Failure if it is not ok."""
+    """Return the machine's answer to a line, bytes. Raises Failure if it is not ok."""
     machine.take()
     machine.send(line)
     machine.run_until(lambda: any(end in machine.replies_so_far() for end in (b"ok\r\n", b"error", b"ALARM")), MOST_MS)
@@ -31,7 +31,7 @@ def ask_line(machine, line):
 
 
 def words_of(machine):
-    """{word: value} of the next whole report: some words stand in each twelfth only, beside Ov."""
+    """Return {word: value} of the next whole report: some words stand in each twelfth report only, beside Ov. Raises Failure."""
     for _again in range(REPORTS):
         machine.take()
         machine.send(b"?")

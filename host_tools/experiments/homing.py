@@ -29,14 +29,15 @@ ROW = re.compile(r"\[HOM:(\w+),(\d+),(\d+),([\d.]+)")
 
 
 def plotter_board():
-    """The plotter of 2014 with a short pull-off."""
+    """Return the board file of the plotter of 2014 with a pull-off of PULL_OFF steps."""
     board = copy.deepcopy(boards.load("plotter_2014"))
     board["homing"]["pull_off_steps"] = PULL_OFF
     return board
 
 
 def home_repeatedly(place, runs):
-    """[(x, y)] in steps where each homing ended, as the plant knows it: the first from FARTHEST, each from elsewhere."""
+    """Home `runs` times; return [(x, y)] in steps where each ended, as the plant knows it: the first from FARTHEST, each from elsewhere. Raises
+    Failure."""
     machine = place.create_machine(plotter_board(), start=(FARTHEST, FARTHEST), bounce_ms=BOUNCE_MS, trace=None, seed=SEED)
     chance = random.Random(SEED)
     found = []
@@ -55,7 +56,7 @@ def home_repeatedly(place, runs):
 
 
 def why_left_out(raw):
-    """Why a board of this board file does not say how well it homes; "" if it does."""
+    """Return the reason why a board of this board file does not say how well it homes; "" if it does."""
     first = raw["links"][0]
     if first["protocol"] != "grbl" or first["port"] != "usb" or not raw.get("homing"):
         return _("its board file has no homing in G-code over USB: passo send ORIGIN homes a plotter")
@@ -65,7 +66,7 @@ def why_left_out(raw):
 
 
 def home_board(place, runs):
-    """[(sensor, runs, range, standard deviation)] in steps, as the board itself counts them. Raises Failure."""
+    """Home a board by $HR; return [(sensor, runs, range, standard deviation)] in steps, as the board itself counts them. Raises Failure."""
     with place.open_client() as client:
         client.connect()
         try:
@@ -78,6 +79,7 @@ def home_board(place, runs):
 
 
 def run(place):
+    """Return the Outcome: the spread of the positions at which homing ends."""
     if place.kind == BOARD:
         outcome = Outcome(_("$HR={}: the board's own sensors and counts", RUNS[BOARD]))
         for axis, count, wide, sigma in home_board(place, RUNS[BOARD]):

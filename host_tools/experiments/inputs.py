@@ -25,6 +25,7 @@ class Pressed:
     after: str  # once it was released; "" if nothing
 
     def is_right(self):
+        """True if the report named this input alone while it was pressed, and none afterwards."""
         return self.reported == self.expected and not self.after
 
 
@@ -37,18 +38,19 @@ class Outputs:
         plant.output = self.record_change
 
     def record_change(self, tick, name, level):
+        """Record a level of an output, and hand it on to the plant."""
         self.seen.setdefault(name, []).append(level)
         self._heard(tick, name, level)
 
 
 def name_in_report(board, name):
-    """How a report names an input: an end of an axis with its direction."""
+    """Return the name of an input in a report: an end of an axis has its direction behind it."""
     ends = {sensor: end for end, sensor in board["interlock"]["limits"].items()}
     return f"{name}({ends[name]})" if name in ends else name
 
 
 def press_inputs(place):
-    """(list of Pressed, {output: whether it went on and off})."""
+    """Press each input of the mill in turn, and switch its outputs; return (list of Pressed, {output: True if it went on and off})."""
     board = boards.load("mill_2004")
     names = [item["name"] for item in board["inputs"]]
     times = {name: FIRST_MS + EACH_MS * at for at, name in enumerate(names)}
@@ -62,7 +64,7 @@ def press_inputs(place):
 
 
 def switch_outputs(machine, board):
-    """{output: whether it went on and off again at the commands that switch it}; "tool" is the spindle's."""
+    """Return {output: True if it went on and off again at the commands that switch it}; "tool" is the spindle's, "enable" is only looked at."""
     wait_up(machine)
     outputs = Outputs(machine.plant)
     ask_line(machine, b"$X\n")
@@ -79,6 +81,7 @@ def switch_outputs(machine, board):
 
 
 def _is_on(machine, outputs, board, name):
+    """True if an output is at its active level, as the plant saw it last."""
     if name == "tool":
         return bool(machine.plant.tool)
     active = {item["name"]: item["active"] for item in board["outputs"]}[name]
@@ -86,6 +89,7 @@ def _is_on(machine, outputs, board, name):
 
 
 def _press_input(machine, board, name, begin_ms):
+    """Wait until the plant presses an input at `begin_ms`, and again until it is released; return it as a Pressed."""
     machine.run_until(lambda: machine.now_ms() >= begin_ms + LOOK_MS, 2 * FIRST_MS)
     reported = words_of(machine).get("Fb", "")
     machine.run_until(lambda: machine.now_ms() >= begin_ms + HELD_MS + LOOK_MS, 2 * FIRST_MS)
@@ -98,6 +102,7 @@ def _press_input(machine, board, name, begin_ms):
 
 
 def run(place):
+    """Return the Outcome: each input's name in the reports, and each output's change."""
     pressed, switched = press_inputs(place)
     outcome = Outcome(_("each input pressed alone for {} ms and released; the name in the reports to `?`. Each output switched by its command, and its pin looked at", HELD_MS))
     tells = without_figure("section 2.7.3")

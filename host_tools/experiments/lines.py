@@ -29,12 +29,12 @@ WORDS = {"square": N_("square"), "triangle": N_("triangle"), "spiral": N_("spira
 
 
 def points_of():
-    """{name: [(x, y), …]} of the five objects."""
+    """Return {name: [(x, y), …]} of the five objects of table 8, in steps."""
     return {name: [(x, y) for _down, x, y in each] for name, each in objects().items()}
 
 
 def measure_lines(place):
-    """{name: (microseconds of the integer line, its steps, those of the float line, its steps)}, and the clock in MHz, or 0 of a PC."""
+    """Return {name: (microseconds of the integer line, its steps, those of the float line, its steps)}, and the clock in MHz; 0 on a PC."""
     if place.kind == VIRTUAL:
         return {name: _shortest_times(points) for name, points in points_of().items()}, 0
     chip = place.start_chip("plotter_2014")
@@ -45,6 +45,7 @@ def measure_lines(place):
 
 
 def _shortest_times(points):
+    """Return the shortest of REPEATS runs on this PC: (microseconds, steps) of both lines."""
     out = array("I", bytearray(4 * LONGEST))
     found = []
     for line in (board_lines.integer_line, board_lines.float_line):
@@ -53,6 +54,7 @@ def _shortest_times(points):
 
 
 def run(place):
+    """Return the Outcome: by how many percent integer lines are quicker than floating-point lines, alone."""
     times, mhz = measure_lines(place)
     if mhz:
         how = _("both lines in MicroPython on the chip, floats in software, no motor waits; by the chip's microseconds at {} MHz", round(mhz))

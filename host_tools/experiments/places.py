@@ -21,7 +21,7 @@ SAFE = "from board import BOARD\nfrom passo.ports.safe import outputs, safe\nsaf
 
 
 def place_of(name, moves=False):
-    """`name`: virtual, emulated or a serial port; `moves`: pins of a board may be driven."""
+    """Return the place `name`: virtual, emulated or a serial port; `moves`: pins of a board may be driven. Raises Failure."""
     if name == VIRTUAL:
         return Virtual()
     if name == EMULATED:
@@ -39,9 +39,11 @@ class Virtual:
         pass
 
     def title(self):
+        """Return the place's name for people."""
         return _(TITLES[VIRTUAL])
 
     def create_machine(self, board, **options):
+        """Return a virtual machine of a board file. `options`: those of sim.machine.Machine."""
         from host_tools.sim.machine import VirtualMachine
 
         return VirtualMachine(board, **options)
@@ -58,10 +60,11 @@ class Emulated(Virtual):
         self._chips = {}
 
     def title(self):
+        """Return the place's name for people."""
         return _(TITLES[EMULATED])
 
     def create_machine(self, board, **options):
-        """Started, with its links open."""
+        """Return an emulated machine of a board file, started, with its links open. Takes some seconds."""
         from host_tools.emulator.machine import EmulatedMachine
 
         machine = EmulatedMachine(board, **options).boot()
@@ -69,6 +72,7 @@ class Emulated(Virtual):
         return machine
 
     def start_chip(self, board):
+        """Return the emulated Pico of a board file, its interpreter started anew. Raises Failure."""
         from host_tools.prove.connection import EmulatedBoard
 
         if board not in self._chips:
@@ -95,17 +99,19 @@ class OnPort:
         self._board.__exit__(*(error or (None,)))
 
     def title(self):
+        """Return the place's name for people."""
         return _(TITLES[BOARD], self._port)
 
     def start_chip(self, _board):
+        """Return the board, its interpreter started anew. Raises Failure."""
         return start(self._board)
 
     def connection(self):
-        """The board without a new start."""
+        """Return the board without a new start."""
         return self._board
 
     def board_table(self):
-        """The table of the board's own board file. Raises Failure if it has none."""
+        """Return the table of the board's own board file. Raises Failure if it has none."""
         from host_tools.prove.connection import board_file_of
 
         if self._raw is None:
@@ -113,7 +119,7 @@ class OnPort:
         return self._raw
 
     def open_client(self):
-        """A client of G-code, of the board at its own work. No start_chip() from then on."""
+        """Return a client of G-code, of the board at its own work. Do not call start_chip() from then on."""
         from host_tools.clients.grbl import GrblClient
 
         self._board.close()
@@ -121,7 +127,7 @@ class OnPort:
 
 
 def start(board):
-    """The interpreter anew, outputs safe, motors off. Raises Failure if there is no Passo on the board."""
+    """Start the board's interpreter anew, with safe outputs and motors off; return the board. Raises Failure if it has no Passo."""
     board.restart_interpreter()
     try:
         board.exec(SAFE)
@@ -131,7 +137,7 @@ def start(board):
 
 
 def program_text(name):
-    """The text of a program of host_tools/experiments or host_tools/prove for the board."""
+    """Return the text of a program of host_tools/experiments or host_tools/prove for the board."""
     from pathlib import Path
 
     own = Path(__file__).parent / name

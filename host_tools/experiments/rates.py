@@ -20,7 +20,7 @@ TIMER_LATE_US = 5  # an edge of the timer's interrupt
 
 
 def measure_clean_rates(place):
-    """({kHz: whether clean} by PIO, three axes together; the same by the timer, one axis; {} if not looked at)"""
+    """Return ({kHz: True if clean} by PIO, three axes together; the same by the timer, one axis; {} on a board)."""
     if place.kind == BOARD:
         return measure_on_board(place), {}
     from host_tools.emulator.copies import on_a_copy
@@ -34,6 +34,7 @@ def measure_clean_rates(place):
 
 
 def _pio_is_clean(rig, khz):
+    """True if at this rate no word is late, and every edge is within 80 ns of its word."""
     from host_tools.bench.pico import COLLECT, constant_lines
     from host_tools.emulator.cycles import CYCLE_NS
 
@@ -42,6 +43,7 @@ def _pio_is_clean(rig, khz):
 
 
 def _timer_is_clean(rig, khz):
+    """True if at this rate no word is late, and edges are within 5 µs, or a step's time if that is less."""
     from host_tools.bench.pico import COLLECT, constant_lines
     from host_tools.emulator.cycles import CYCLES_PER_US
 
@@ -51,14 +53,14 @@ def _timer_is_clean(rig, khz):
 
 
 def why_left_out(raw):
-    """Why the rates of a board of this board file are not measured; "" if they are."""
+    """Return the reason why the rates of a board of this board file are not measured; "" if they are."""
     if raw["drive"]["kind"] != "step_dir" or raw.get("player", "pio") == "timer":
         return _("its board file has coils or the timer player: rates are for STEP and DIR by PIO")
     return ""
 
 
 def measure_on_board(place):
-    """The board's own pins, by its witness; the motors' current stays off."""
+    """Return {kHz: True if clean} of the board's own pins, by its spare state machine; the motors' current stays off."""
     from host_tools.prove.pins import FAST, FAST_STEPS, play_lines
     from host_tools.prove.proof import Proof
 
@@ -73,7 +75,7 @@ def measure_on_board(place):
 
 
 def kit_rate(place):
-    """Steps a second of the kit's first motor at its fastest speed, by its plant."""
+    """Return the steps a second of the kit's first motor at its fastest speed, by its plant."""
     machine = place.create_machine("two_motor_kit")
     try:
         machine.run_ms(100 if place.kind == VIRTUAL else KIT_UP_MS)
@@ -86,6 +88,7 @@ def kit_rate(place):
 
 
 def run(place):
+    """Return the Outcome: the kit's rate, and the highest clean rates of PIO and timer."""
     outcome = Outcome("")
     if place.kind != BOARD:
         outcome.how = _("the kit's motor by its coils")
@@ -96,6 +99,7 @@ def run(place):
 
 
 def _add_fastest(place, outcome):
+    """Add the highest clean rates, in kHz, and their picture."""
     by_pio, by_timer = measure_clean_rates(place)
     how = _("steps at a constant rate; clean: every edge within {} ns of its word by PIO, within {} µs by the timer, no word late", ON_TIME_NS, TIMER_LATE_US)
     outcome.how = "; ".join(filter(None, (outcome.how, how)))

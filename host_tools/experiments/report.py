@@ -29,7 +29,7 @@ footer { margin-top: 9mm; border-top: 1px solid #ccc; padding-top: 2mm; font-siz
 
 
 def author_text(author):
-    """A document's figure as it prints it, and its value in the table's unit if it prints another one."""
+    """Return a document's figure as it prints it, and its value in the table's unit if it prints another one."""
     if not author.printed:
         return _("no figure")
     plain = author.printed.replace(",", "").replace(".", "").isdigit()
@@ -39,12 +39,14 @@ def author_text(author):
 
 
 def own_text(row):
+    """Return the measured value of a row with its unit, or its text."""
     if row.ours is None:
         return row.told
     return f"{figure_text(row.ours)} {row.unit}"
 
 
 def page_html(done, place_title):
+    """Return the text of report.html. `done`: as write() takes it."""
     body = "".join(_section_html(name, outcome) for name, outcome in done)
     title = _("Experiments of five documents, repeated")
     about = _("Measured on: {}. Passo {}, {}.", place_title, version(), time.strftime("%Y-%m-%d"))
@@ -56,6 +58,7 @@ def page_html(done, place_title):
 
 
 def _section_html(name, outcome):
+    """Return the heading, table and pictures of an experiment, or the reason why it is not measured."""
     head = f"<h2>{escape(_(EXPERIMENTS[name].title))}</h2>"
     if isinstance(outcome, str):
         return f"{head}<p class=how>{escape(_('Not measured: {}.', outcome))}</p>"
@@ -66,6 +69,7 @@ def _section_html(name, outcome):
 
 
 def _row_html(row):
+    """Return a row of the table."""
     note = f"<br><span class=note>{escape(row.told)}</span>" if row.told and row.ours is not None else ""
     mark = {None: "", True: " ✓", False: " ✗"}[row.agrees]
     wrong = " wrong" if row.agrees is False else ""
@@ -74,10 +78,12 @@ def _row_html(row):
 
 
 def _as_sentence(text):
+    """Return a text with a capital letter and a full stop."""
     return text[:1].upper() + text[1:] + "."
 
 
 def _sources_html(done):
+    """Return the list of the documents used."""
     used = dict.fromkeys(EXPERIMENTS[name].document for name, _outcome in done)
     used.update({row.author.place.document: None for _name, outcome in done if not isinstance(outcome, str) for row in outcome.rows})
     lines = []
@@ -89,7 +95,7 @@ def _sources_html(done):
 
 
 def write(folder, done, place_title):
-    """report.html and table.csv into `folder`, which is made. Returns both paths."""
+    """Write report.html and table.csv to `folder`, which is made; return both paths."""
     folder.mkdir(parents=True, exist_ok=True)
     html, table = folder / "report.html", folder / "table.csv"
     html.write_text(page_html(done, place_title), encoding="utf-8")
@@ -102,6 +108,7 @@ def write(folder, done, place_title):
 
 
 def _csv_fields(name, row, place_title):
+    """Return the fields of a row of table.csv, in the order of COLUMNS."""
     place, author = row.author.place, row.author
     own = [author.printed, author.value, author.unit, row.ours, row.unit, row.told, row.agrees, place_title]
     return [name, row.what, place.document, place.page or "", place.name, *("" if each is None else each for each in own)]

@@ -25,11 +25,12 @@ class Outcome:
     pictures: list = field(default_factory=list)  # (caption, SVG)
 
     def add_row(self, *values, **named):
+        """Add a Row of these values."""
         self.rows.append(Row(*values, **named))
 
 
 def figure_text(value, digits=4):
-    """A number with `digits` digits, in the notation of the language; "" for None."""
+    """Return a number with `digits` digits, in the notation of the language; "" for None."""
     if value is None:
         return ""
     if value == round(value) or abs(value) >= 10 ** (digits - 1):
@@ -40,5 +41,5 @@ def figure_text(value, digits=4):
 
 
 def percent_better(float_time, integer_time):
-    """Percent by which the integer line is better, as the document counts: float / integer − 1."""
+    """Return the percent by which the integer line is better, as the document counts: float / integer − 1."""
     return 100 * (float_time / integer_time - 1)

@@ -30,7 +30,7 @@ class Stroke:
 
 
 def draw_strokes(place):
-    """The strokes there, as the plant's motors made them; each goes back."""
+    """Return the strokes there as Stroke, measured by the plant's motors; each goes back."""
     machine = place.create_machine("torch_manipulator")
     try:
         machine.run_ms(CONNECT_MS if place.kind == VIRTUAL else UP_MS)
@@ -42,6 +42,7 @@ def draw_strokes(place):
 
 
 def _draw_stroke(machine, axis, length, kind):
+    """Draw a stroke of `length` mm and go back; return its length, wait and speed."""
     steps, rate = length * STEPS_MM[axis], MM_S * STEPS_MM[axis]
     column = 1 + "xy".index(axis)
     known = len(machine.trace.rows())
@@ -57,12 +58,14 @@ def _draw_stroke(machine, axis, length, kind):
 
 
 def _send_move(machine, axis, steps, rate, length):
+    """Send a move of one axis, `steps` at `rate` steps/s, and wait until it has ended."""
     x, y = ((steps, rate), (0, 1)) if axis == "x" else ((0, 1), (steps, rate))
     machine.send(torch.move(*x, *y))
     machine.run_ms(1000 * length / MM_S + CONNECT_MS)
 
 
 def run(place):
+    """Return the Outcome: lengths and speeds of the strokes, and the wait before them on an emulated Pico."""
     strokes = draw_strokes(place)
     outcome = Outcome(_("the motors' steps, counted and divided by the document's 48 and 83 steps/mm; on paper measure with a calliper, and give the lengths to passo calibrate"))
     for each in strokes:

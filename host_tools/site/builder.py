@@ -45,13 +45,13 @@ _MOST_AXES = 4
 
 
 def load_package(cache=None):
-    """{name: bytes} of MicroPython's two files. Raises Failure."""
+    """Return {name: bytes} of MicroPython's two files, from the folder `cache` or from npm. Raises Failure."""
     return MICROPYTHON.read_files("micropython.mjs", "micropython.wasm", cache=cache)
 
 
 @lru_cache(maxsize=1)
 def tab_texts():
-    """{path: text} of all that Python imports in the tab. Not to be changed."""
+    """Return {path: text} of all that Python imports in the tab. Do not change it: it is kept."""
     found = {path.as_posix(): FIRMWARE / path for path in module_files() if not path.as_posix().startswith(_LEFT_OUT)}
     found |= {name: HOST_TOOLS.parent / name for name in TAB}
     read = fold_in_place({name: path.read_text(encoding="utf-8") for name, path in found.items()})
@@ -61,7 +61,7 @@ def tab_texts():
 
 
 def relief_gcode():
-    """A surface of waves in scan lines of short moves in three axes, 60 × 40 mm, in machine coordinates of the router."""
+    """Return G-code of a surface of waves in scan lines of short moves in three axes, 60 × 40 mm, in machine coordinates of the router."""
     lines = ["(Waves: 60 x 40 mm, a surface in scan lines)", "G21 G90 G94 F2400", "G0 Z-10", "G0 X60 Y50", "M3 S12000"]
     for row in range(41):
         columns = range(61) if row % 2 == 0 else range(60, -1, -1)
@@ -73,7 +73,7 @@ def relief_gcode():
 
 
 def rosette_gcode():
-    """Arcs and lines, flat."""
+    """Return G-code of arcs and lines, flat, in machine coordinates of the router."""
     lines = ["(A rosette of arcs)", "G21 G90 G94 F2400", "G0 Z-10", "M3 S12000"]
     for petal in range(12):
         angle = petal * math.pi / 6
@@ -84,7 +84,7 @@ def rosette_gcode():
 
 
 def demo_jobs():
-    """{board: {name: text}} that the tab's machines begin with."""
+    """Return {board: {name: text}} of the jobs that the tab's machines begin with."""
     return {
         "router_3axis": {"relief.gcode": relief_gcode(), "rosette.gcode": rosette_gcode()},
         "plotter_2014": {f"{name}.txt": packet_words(points) for name, points in objects().items()},
@@ -95,7 +95,7 @@ _PATH = '<div class="pane" id="pane-path">\n'  # the part of the page that the m
 
 
 def page_html(text):
-    """index.html with the machine in it, and without a way out of its own site."""
+    """Return index.html with the machine in it, and without a way out of its own site. Raises Failure if the page lacks a mark."""
     card = (OWN / "machine.html").read_text(encoding="utf-8")
     head = (OWN / "head.html").read_text(encoding="utf-8")
     for mark, made in (("</title>\n", "</title>\n" + head), (_PATH, _PATH + card)):
@@ -106,7 +106,8 @@ def page_html(text):
 
 
 def build(out, files):
-    """Write the site to the folder `out`, which is emptied first. `files`: load_package(). Returns the bytes written."""
+    """Write the site to the folder `out`, which is emptied first. `files`: load_package(). Return the bytes written. Raises Failure if the folder
+    holds anything but a site."""
     from host_tools.clients import setting_names
     from host_tools.build.pages import error_list, page_words
 
@@ -135,4 +136,5 @@ def build(out, files):
 
 
 def _write_json(out, name, data):
+    """Write a file of JSON."""
     (out / name).write_text(json.dumps(data, ensure_ascii=False), encoding="utf-8")

@@ -28,14 +28,16 @@ class Package:
 
     @property
     def _file_name(self):
+        """The name of the archive in the registry."""
         return f"{self.name.rpartition('/')[2]}-{self.version}.tgz"
 
     def path_in(self, cache=None):
-        """Path of its archive in the cache, a folder (None: ~/.cache/passo)."""
+        """Return the path of its archive in the cache, a folder (None: ~/.cache/passo)."""
         return (cache or Path("~/.cache/passo").expanduser()) / self._file_name
 
     def read_files(self, *names, cache=None):
-        """{name: bytes} of some of its files. Raises Failure: it cannot be fetched, or is not the one that is known."""
+        """Return {name: bytes} of some of its files, fetched the first time. Raises Failure if it cannot be fetched, or is not the one that is known.
+        """
         kept = self.path_in(cache)
         if kept.is_file():
             data = kept.read_bytes()
@@ -52,6 +54,7 @@ class Package:
             raise
 
     def _fetch_archive(self):
+        """Return the bytes of the archive from the registry (NPM_CONFIG_REGISTRY). Raises Failure after 60 s."""
         registry = os.environ.get("NPM_CONFIG_REGISTRY", "https://registry.npmjs.org").rstrip("/")
         address = f"{registry}/{self.name}/-/{self._file_name}"
         try:
@@ -61,7 +64,7 @@ class Package:
             raise Failure("cannot fetch {}, {}: {}", self.what, address, error) from error
 
     def extract_files(self, data, names):
-        """Files of an archive. Raises Failure if it is not the one that is known."""
+        """Return {name: bytes} of files of an archive. Raises Failure if its SHA-512 is not the known one."""
         found = base64.b64encode(hashlib.sha512(data).digest()).decode()
         if found != self.integrity:
             raise Failure(

@@ -17,11 +17,12 @@ _MARK = "</title>\n"
 
 
 def add_to_page(text):
+    """Return a page with the manifest and the script of the service worker in its head."""
     return text.replace(_MARK, _MARK + _HEAD, 1)
 
 
 def make_files(served, first):
-    """`served`: {name: bytes} of all that the page loads."""
+    """Return {name: bytes} to be served beside `served`, {name: bytes} of all that the page loads. `first`: "cache" or "network"."""
     digest = hashlib.sha256()
     for name in sorted(served):
         digest.update(name.encode() + b"\0" + served[name] + b"\0")

@@ -23,7 +23,7 @@ _BOLD = 1.12
 
 
 def wiring_svg(board):
-    """The SVG of a checked board file. Raises Failure if its parts find no room."""
+    """Return the SVG of a checked board file. Raises Failure if its parts find no room."""
     sheet = arrange_sheet(board)
     title = _("Wiring of {}", board["name"])
     first, last = extent_of(sheet)
@@ -47,7 +47,7 @@ def wiring_svg(board):
 
 
 def extent_of(sheet):
-    """(top, bottom) of module, parts and wires."""
+    """Return (top, bottom) of module, parts and wires, in mm."""
     rows = max(len(sheet.module.left), len(sheet.module.right)) + len(sheet.module.loose)
     ys = [y for wire in sheet.wires for way in wire.ways for _x, y in way]
     tops = [sheet.top - 5.6, *(placed.top for placed in sheet.parts), *ys]
@@ -58,12 +58,12 @@ def extent_of(sheet):
 
 
 def text_width(text, size, bold=False):
-    """An upper bound of a text's width in mm."""
+    """Return an upper bound of a text's width in mm. `size`: of the letters, mm."""
     return sum(_WIDTH_OF.get(letter, 640) for letter in text) * size / 1000 * (_BOLD if bold else 1)
 
 
 def _text_element(x, y, text, size=2.5, anchor="start", bold=False, fill=None, most=None):
-    """A text whose baseline is at y; `most`: the width it has to keep to."""
+    """Return a text whose baseline is at y (mm); `most`: the width to which it is reduced."""
     if most is not None and text:
         size = min(size, round(size * most / text_width(text, size, bold), 2))
     more = (f' text-anchor="{anchor}"' if anchor != "start" else "") + (' font-weight="bold"' if bold else "")
@@ -72,10 +72,12 @@ def _text_element(x, y, text, size=2.5, anchor="start", bold=False, fill=None, m
 
 
 def _number_text(number):
+    """Return a number with two decimals at most."""
     return f"{number:.2f}".rstrip("0").rstrip(".")
 
 
 def _box_element(left, top, right, bottom, stroke, fill=PAPER, radius=1.0, wide=0.35):
+    """Return a box with round corners, in mm."""
     size = f'width="{_number_text(right - left)}" height="{_number_text(bottom - top)}"'
     return f'<rect x="{_number_text(left)}" y="{_number_text(top)}" {size} rx="{_number_text(radius)}" fill="{fill}" stroke="{stroke}" stroke-width="{_number_text(wide)}"/>'
 
@@ -84,6 +86,7 @@ def _box_element(left, top, right, bottom, stroke, fill=PAPER, radius=1.0, wide=
 
 
 def _heading_elements(sheet, title):
+    """Return the title, the module's name and the legend of colours."""
     legend = [
         ("driver", _("motors")), ("switch", _("switches, sensors")), ("stop", _("emergency stop")), ("contact", _("tool")),
         ("relay", _("relays, lamps")), ("encoder", _("encoders")), ("serial", _("serial lines")), ("registers", _("registers")),
@@ -101,6 +104,7 @@ def _heading_elements(sheet, title):
 
 
 def _module_elements(sheet):
+    """Return the module with its pads; pins that no edge has stand below it."""
     module, (left, right) = sheet.module, sheet.columns["module"]
     rows = max(len(module.left), len(module.right))
     top, bottom = sheet.top - 3.4, sheet.top + (rows - 1) * PITCH + 3.4
@@ -122,10 +126,12 @@ def _module_elements(sheet):
 
 
 def _pins_of(sheet):
+    """Return the pins that have a wire."""
     return {wire.pin for wire in sheet.wires}
 
 
 def _pad_elements(x, y, direction, label, pin, number, room, used):
+    """Return a pad at (x, y) and its label. `direction`: 1 on the left edge, −1 on the right one; `room`: width of the label, mm."""
     colour = INK if used else "#9aa3ad"
     fill = {"GND": INK, "3V3": POWER, "VBUS": POWER, "VSYS": POWER, "5V": POWER}.get(label, colour if used else PAPER)
     data = f' data-pad="{pin}"' if pin is not None else ""
@@ -139,6 +145,7 @@ def _pad_elements(x, y, direction, label, pin, number, room, used):
 
 
 def _wire_elements(wire):
+    """Return the paths of a wire, and a dot at each joint."""
     part, terminal = wire.ends[0][0].part, wire.ends[0][1]
     colour = LIGHTER.get(part.kind, COLOURS[part.kind]) if part.terminals.index(terminal) % 2 else COLOURS[part.kind]
     pin = f"{wire.pin[0]} {wire.pin[1]}" if isinstance(wire.pin, tuple) else str(wire.pin)
@@ -152,6 +159,7 @@ def _wire_elements(wire):
 
 
 def _part_elements(sheet, placed):
+    """Return the box of a part with its terminals, texts and symbol."""
     if placed.part.name == "registers":
         return _bank_elements(sheet, placed)
     part, colour = placed.part, COLOURS[placed.part.kind]
@@ -169,7 +177,7 @@ def _part_elements(sheet, placed):
 
 
 def _part_texts(placed, margin, behind):
-    """Title, notes and supply of a part, and its symbol on the side away from its terminals."""
+    """Return title, notes and supply of a part, and its symbol on the side away from its terminals. `margin`: mm that the terminals take."""
     part, colour = placed.part, COLOURS[placed.part.kind]
     middle = (placed.top + placed.bottom) / 2
     tall = placed.bottom - placed.top
@@ -194,7 +202,7 @@ def _part_texts(placed, margin, behind):
 
 
 def _bank_elements(sheet, placed):
-    """The box of all shift registers: lines from the module on one side, bits on the other."""
+    """Return the box of all shift registers: lines from the module on one side, bits on the other."""
     chips, colour = chips_of(sheet.board), COLOURS["registers"]
     lines = ['<g data-box="registers">', _box_element(placed.left, placed.top, placed.right, placed.bottom, colour)]
     for terminal, x, y in placed.points:
@@ -212,6 +220,7 @@ def _bank_elements(sheet, placed):
 
 
 def _bit_elements(sheet, way, number, letter):
+    """Return a bit of a shift register with its label. `way`: "in" or "out"."""
     x, y = sheet.bits[way, number]
     used = any(wire.pin == (way, number) for wire in sheet.wires)
     colour = COLOURS["registers"] if used else "#9aa3ad"
@@ -225,7 +234,7 @@ def _bit_elements(sheet, way, number, letter):
 
 
 def _supply_elements(sheet, top):
-    """(lines, lower edge) of the way of the power, below the drawing: supply, emergency stop, and the parts behind it."""
+    """Return (elements, lower edge in mm) of the power's way, below the drawing: supply, emergency stop, and the parts behind it."""
     y = top + 8
     stop = next((item for item in sheet.board["inputs"] if item["halt"]), None)
     lines = [_text_element(6, top, _("Power"), 3, bold=True)]
@@ -248,6 +257,7 @@ def _supply_elements(sheet, top):
 
 
 def _power_notes(sheet):
+    """Yield sentences about supply, outputs at the start, registers and drivers' enable."""
     board = sheet.board
     yield _("The board has its 5 V from USB. 3V3 feeds sensors and pull-ups. All GND pins are one ground: supply, drivers and sensors join there.")
     yield _("Give each output that must not switch on at the start 10 kΩ: to GND if it is active high, to 3V3 if it is active low.")
@@ -262,7 +272,7 @@ def _power_notes(sheet):
 
 
 def _wrap_text(text, size, most):
-    """The lines of a text that are `most` mm wide at most."""
+    """Return the lines of a text that are `most` mm wide at most."""
     rows = [""]
     for word in text.split():
         longer = f"{rows[-1]} {word}".strip()

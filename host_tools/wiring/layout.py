@@ -59,7 +59,7 @@ class Sheet:
 
 
 def arrange_sheet(board):
-    """The sheet of a checked board file. Raises Failure if its parts find no room on it."""
+    """Return the Sheet of a checked board file. Raises Failure if its parts find no room on it."""
     found = parts_of(board)
     registers = any(part.name == "registers" for part in found)
     columns = WITH_REGISTERS if registers else PLAIN
@@ -83,15 +83,17 @@ def arrange_sheet(board):
 
 
 def _is_behind_register(part):
+    """True if a part's terminals are bits of a shift register."""
     return isinstance(part.terminals[0].pin, tuple)
 
 
 def _snap_to_pitch(y):
+    """Return y (mm), rounded to a multiple of PITCH from TOP."""
     return TOP + round((y - TOP) / PITCH) * PITCH
 
 
 def _pad_positions(module, edges, top):
-    """{pin: (x, y)} of the module's edges; pins that no edge has stand below, on the left."""
+    """Return {pin: (x, y)} of the module's edges; pins that no edge has stand below, on the left."""
     pads = {}
     for x, side in zip(edges, (module.left, module.right)):
         for row, (_, pin) in enumerate(side):
@@ -107,13 +109,13 @@ def _pad_positions(module, edges, top):
 
 
 def slot_height(part):
-    """Of a part's slot, the gap to the next included: a multiple of PITCH."""
+    """Return the height of a part's slot in mm, with the gap to the next: a multiple of PITCH."""
     rows = max(len(part.terminals), (len(part.notes) + 2) // 2)
     return (rows + 1) * PITCH
 
 
 def _place_parts(direct, pads, columns, registers, board):
-    """Each part beside the pins that it has most of; with registers all stand left but these."""
+    """Return each part as a Placed, beside the pins that it has most of; with registers all stand left but these. Raises Failure."""
     middle = sum(columns["module"]) / 2
     sides = {"left": [], "right": []}
     for part in direct:
@@ -131,11 +133,12 @@ def _place_parts(direct, pads, columns, registers, board):
 
 
 def _mean_y(part, pads):
+    """Return the mean y of the pads that a part is wired to, in mm."""
     return sum(pads[terminal.pin][1] for terminal in part.terminals) / len(part.terminals)
 
 
 def _place_column(some, pads, edges, inner, chips):
-    """The parts of a column: each as near to its pins as the others leave it."""
+    """Return the parts of a column as Placed, each as near to its pins as the others leave it. Raises Failure if they are too many."""
     some = sorted(some, key=lambda part: (_mean_y(part, pads), part.name))
     heights = [bank_rows(chips) * PITCH if part.name == "registers" else slot_height(part) for part in some]
     if sum(heights) > BOTTOM - TOP:
@@ -151,7 +154,8 @@ def _place_column(some, pads, edges, inner, chips):
 
 
 def _spread_slots(wished, heights):
-    """Tops of slots that do not overlap, near the wished ones: neighbours that would are moved as one block, by the mean."""
+    """Return the tops of slots that do not overlap, near the wished ones: neighbours that would overlap are moved as one block, by the mean of their
+    wishes."""
     blocks = []  # [members, sum of (wish - offset), height]
     for wish, tall in zip(wished, heights):
         blocks.append([1, wish, tall])
@@ -177,6 +181,7 @@ def _spread_slots(wished, heights):
 
 
 def _block_start(block):
+    """Return the top of a block: the mean of its members' wishes."""
     return block[1] / block[0]
 
 
@@ -184,12 +189,12 @@ def _block_start(block):
 
 
 def bank_rows(chips):
-    """Rows of the box of all registers: a heading and eight bits a chip, and one below."""
+    """Return the rows of the box of all registers: a heading and eight bits a chip, and one below."""
     return 9 * (chips["in"] + chips["out"]) + 1
 
 
 def _bit_positions(bank, chips):
-    """{pin: (x, y)} of the registers' bits, on the outer side of their box."""
+    """Return {pin: (x, y)} of the registers' bits, on the outer side of their box."""
     bits, row = {}, 0
     for way in ("in", "out"):
         for chip in range(chips[way]):
@@ -201,7 +206,7 @@ def _bit_positions(bank, chips):
 
 
 def _place_beside_bits(behind, bits, edges):
-    """Place parts beside their bits. Terminals of one part on bits that are no neighbours stand apart, under the same title."""
+    """Return parts as Placed beside their bits. Terminals of one part on bits that are no neighbours stand apart, under the same title."""
     placed = []
     for part in behind:
         runs = []
@@ -220,7 +225,7 @@ def _place_beside_bits(behind, bits, edges):
 
 
 def _route_wires(pads, placed, columns, top, bottom):
-    """The wires of the module's pins."""
+    """Return the Wires of the module's pins. A pin with parts on both sides goes around the module, above or below."""
     nets = {}
     for each in placed:
         for terminal, x, y in each.points:
@@ -252,6 +257,7 @@ def _route_wires(pads, placed, columns, top, bottom):
 
 
 def _route_wire(pin, ends, pad, band, tracks, middle):
+    """Return the Wire of a pin. `band`: y of its way around the module, or None; `tracks`: {side: {pin: x}}; `middle`: x of the module's middle."""
     home = "left" if pad[0] < middle else "right"
     ways, joints = [], []
     for number, (each, terminal, x, y) in enumerate(ends):
@@ -267,7 +273,7 @@ def _route_wire(pin, ends, pad, band, tracks, middle):
 
 
 def _assign_tracks(nets, low, high, mirrored):
-    """{pin: x} of the vertical tracks of a channel between x = low and high; the parts are at low, or at high if mirrored."""
+    """Return {pin: x} of the vertical tracks of a channel between x = low and high; the parts are at low, or at high if mirrored."""
     spans = {pin: (min(outer + inner), max(outer + inner)) for pin, (outer, inner) in nets.items()}
     order = sorted(nets, key=lambda pin: (spans[pin][0], str(pin)))
     moved = True
@@ -286,12 +292,13 @@ def _assign_tracks(nets, low, high, mirrored):
 
 
 def _spans_meet(one, two):
+    """True if two vertical spans (low, high) overlap, or nearly so."""
     return one[0] < two[1] + HALF + 0.1 and two[0] < one[1] + HALF + 0.1
 
 
 def _count_crossings(nets, spans, near, far):
-    """How often two wires cross, one on the track nearer to the parts: its ways to the module cross the far track, ways of the far
-    wire to its parts cross the near one."""
+    """Return how often two wires cross, one on the track nearer to the parts: its ways to the module cross the far track, ways of the far wire to its
+    parts cross the near one."""
     low, high = spans[far]
     crossing = sum(low < y < high for y in nets[near][1])
     low, high = spans[near]

@@ -30,11 +30,11 @@ class Module:
     numbers: tuple = None
 
     def label(self, pin):
-        """The name of a pin of the chip."""
+        """Return the name of a pin of the chip."""
         return f"{self.prefix}{pin}"
 
     def position(self, pin):
-        """The number of a pin in the module's print or drawing; empty if it has none."""
+        """Return the number of a pin in the module's print or drawing; "" if it has none."""
         for side, numbers in zip((self.left, self.right), self.numbers or ()):
             for number, (_, other) in zip(numbers, side):
                 if other == pin:
@@ -43,7 +43,7 @@ class Module:
 
 
 def module_of(board, pins, right):
-    """The module of a checked board file; `pins`: all of the chip's that it names, `right`: those that a plain list has on its right."""
+    """Return the module of a checked board file; `pins`: all of the chip's that it names, `right`: those that a plain list has on its right."""
     chip = board["chip"]
     if chip in ("rp2040", "rp2350"):
         wireless = board.get("network") is not None or "pico_w" in board["name"]
@@ -60,10 +60,11 @@ def module_of(board, pins, right):
 
 
 def _make_module(title, prefix, left, right, pins, numbers=None):
+    """Return a Module; pins that neither edge has are its loose ones."""
     there = {pin for _, pin in left + right}
     return Module(title, prefix, left, right, sorted(pin for pin in pins if pin not in there), numbers)
 
 
 def _edge_pads(names, prefix):
-    """[(label, pin or None)] of an edge of the module; a name of digits is a pin."""
+    """Return [(label, pin or None)] of an edge of the module; a name of digits is a pin."""
     return [(prefix + name, int(name)) if name.isdigit() else (name, None) for name in names]

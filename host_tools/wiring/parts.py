@@ -41,24 +41,25 @@ _ONE_BELT = {"x": "A (X + Y)", "y": "B (X − Y)"}  # CoreXY: axes that each mot
 
 
 def parts_of(board):
-    """All parts of a checked board file, motors first."""
+    """Return all parts of a checked board file, motors first."""
     found = [*_motor_parts(board), *_tool_parts(board), *_input_parts(board), *_output_parts(board), *_encoder_parts(board), *_serial_parts(board), *_register_parts(board)]
     return found
 
 
 def pin_of(number, way):
-    """The pin of a number of the board file; `way`: "in" or "out"."""
+    """Return the pin of a number of the board file; `way`: "in" or "out"."""
     return (way, number) if number >= REGISTER_BIT else number
 
 
 def motors_of(board):
-    """(name, pins) of all motors, a gantry's second one too."""
+    """Return (name, pins) of all motors, a gantry's second one too."""
     found = [(axis["name"], axis["pins"]) for axis in board["axes"]]
     gantry = board.get("gantry")
     return found + ([(gantry["axis"] + "2", gantry["pins"])] if gantry else [])
 
 
 def _motor_parts(board):
+    """Yield a driver and motor, or a motor with coils, for each motor."""
     drive = board["drive"]
     enable = None if drive["kind"] != "step_dir" else common_enable(board)
     for name, pins in motors_of(board):
@@ -81,12 +82,12 @@ def _motor_parts(board):
 
 
 def motor_pins(kind):
-    """Names of a motor's pins, in the order of the board file."""
+    """Return the names of a motor's pins, in the order of the board file."""
     return ("step", "dir") if kind == "step_dir" else import_module(f"passo.options.drive_{kind}.drive").PINS
 
 
 def common_enable(board):
-    """The pin that goes to EN of all drivers, if they and it are on the chip's own pins; None otherwise."""
+    """Return the pin that goes to EN of all drivers, if they and it are on the chip's own pins; None otherwise."""
     for item in board["outputs"]:
         if item["name"] == "enable" and max(item["pin"], *(pin for _, pins in motors_of(board) for pin in pins)) < REGISTER_BIT:
             return item["pin"]
@@ -94,6 +95,7 @@ def common_enable(board):
 
 
 def _tool_parts(board):
+    """Yield the tool, a pen's servo, and the output that follows the tool's bit."""
     pin, spindle = board["tool"]["pin"], board["spindle"]
     follower = board["registers"]["tool"] if board.get("registers") else -1
     kind, title, notes = _describe_tool(board)
@@ -114,7 +116,7 @@ def _tool_parts(board):
 
 
 def _describe_tool(board):
-    """(kind, title, notes) of the machine's tool."""
+    """Return (kind, title, notes) of the machine's tool."""
     languages = {link["protocol"] for link in board["links"]}
     if board["spindle"]["laser"]:
         return "laser", _("Laser"), [_("PWM {} Hz, 10 kΩ to GND each", board["spindle"]["pwm_hz"])]
@@ -132,6 +134,7 @@ def _describe_tool(board):
 
 
 def _input_parts(board):
+    """Yield a part for each input."""
     for item in board["inputs"]:
         kind, title = _describe_input(board, item)
         pin = pin_of(item["pin"], "in")
@@ -140,6 +143,7 @@ def _input_parts(board):
 
 
 def _describe_input(board, item):
+    """Return (kind, title) of an input by its name and use."""
     name = item["name"]
     homed = {sensor: axis for axis, sensor in (board["homing"] or {"sensors": {}})["sensors"].items()}
     ends = {sensor: end for end, sensor in (getattr(board.get("additions"), "limits", None) or {}).items()}
@@ -161,7 +165,7 @@ def _describe_input(board, item):
 
 
 def _contact_text(item, kind):
-    """How an input is wired, in a few words."""
+    """Return how an input is wired, in a few words."""
     pull = {"up": _("pull-up inside"), "down": _("pull-down inside"), "none": _("pull-up outside")}[item["pull"]]
     if item["pin"] >= REGISTER_BIT:
         pull = _("own pull resistor")
@@ -181,6 +185,7 @@ _PURPOSES = {
 
 
 def _output_parts(board):
+    """Yield a part for each output; not for an enable that goes to all drivers."""
     for item in board["outputs"]:
         name = item["name"]
         if name == "enable" and common_enable(board) is not None:
@@ -196,6 +201,7 @@ def _output_parts(board):
 
 
 def _encoder_parts(board):
+    """Yield a part for each encoder."""
     for item in board.get("encoders", ()):
         terminals = [Terminal(wire, pin) for wire, pin in zip("AB", item["pins"])]
         notes = [_("{} pulses a turn, 3.3 V", item["pulses"])]
@@ -203,7 +209,7 @@ def _encoder_parts(board):
 
 
 def _serial_parts(board):
-    """Serial lines, the inverter's too, and the memory card."""
+    """Yield serial lines, the inverter, drivers on UART or SPI, and the memory card."""
     for link in board["links"]:
         if link["port"].startswith("uart"):
             terminals = [Terminal("RX", link["tx"]), Terminal("TX", link["rx"])]
@@ -237,7 +243,7 @@ def _serial_parts(board):
 
 
 def _register_parts(board):
-    """The bank of shift registers, and the diodes that join inputs behind them."""
+    """Yield the bank of shift registers, and the diodes that join inputs behind them."""
     registers, shift = board.get("registers"), board.get("shift")
     if registers:
         keys = (("CLK", "clock"), ("LATCH", "latch"), ("QH", "in"), ("SER", "out"))
@@ -254,7 +260,7 @@ def _register_parts(board):
 
 
 def chips_of(board):
-    """{"in": 74HC165, "out": 74HC595}: how many of each there are."""
+    """Return {"in": 74HC165, "out": 74HC595}: how many of each there are."""
     if board.get("registers"):
         return {"in": board["registers"]["inputs"], "out": board["registers"]["outputs"]}
     if not board.get("shift"):

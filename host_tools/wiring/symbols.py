@@ -42,5 +42,5 @@ GROUNDED = ("switch", "stop", "probe")
 
 
 def symbol_of(kind, opens):
-    """The symbol of a kind of part; `opens`: of a switch, that it opens when hit."""
+    """Return the symbol of a kind of part; `opens`: of a switch, that it opens when hit. Raises KeyError for an unknown kind."""
     return SYMBOLS[f"switch {'opens' if opens else 'closes'}" if kind == "switch" else kind]

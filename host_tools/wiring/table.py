@@ -9,7 +9,7 @@ from host_tools.wiring.parts import REGISTER_BIT, parts_of
 
 
 def wiring_rows(board):
-    """(pin, position on the module, part, terminal, notes) of each terminal of a checked board file, by pin."""
+    """Return (pin, position on the module, part, terminal, notes) of each terminal of a checked board file, by pin."""
     found = [(terminal.pin, part, terminal.label) for part in parts_of(board) for terminal in part.terminals]
     module = module_of(board, {pin for pin, _, _ in found if not isinstance(pin, tuple)}, set())
     found.sort(key=lambda each: each[0] if isinstance(each[0], tuple) else ("", each[0]))
@@ -18,6 +18,7 @@ def wiring_rows(board):
 
 
 def _pin_name(pin, module):
+    """Return the name of a pin, or of a register's bit."""
     if not isinstance(pin, tuple):
         return module.label(pin)
     way, number = pin
