@@ -124,7 +124,7 @@ def _connect_agent(boards, served, told, stack):
     for name, (where, (language, table, make_port)) in boards.items():
         more = {f"{ROOT}/{name}/language": language, **(discovery_messages(home_assistant, f"{ROOT}/", name) if home_assistant else {})}
         link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more, bool(key))
-        agent.add(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, ""), "laser": lasers.get(name, ""), "page": pages.get(name, "")})
+        agent.add_board(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, ""), "laser": lasers.get(name, ""), "page": pages.get(name, "")})
         print(_("{}: {} at {}", name, language, where), flush=True)
     return agent
 
@@ -163,7 +163,7 @@ def _serve_page(port, file, agent, asked, stack):
         asked.put(answer_call)
         return done.result(10)
 
-    close, port = serve(port, key, lambda: run_in_agent(agent.machines), lambda name, what: run_in_agent(lambda: agent.do(name, what)), agent.stop)
+    close, port = serve(port, key, lambda: run_in_agent(agent.machines), lambda name, what: run_in_agent(lambda: agent.carry_out(name, what)), agent.stop)
     stack.callback(close)
     print(f"page: http://127.0.0.1:{port}/" + (f"#key={key}" if terminal else ""), flush=True)  # a log is no place for a key
     if file:

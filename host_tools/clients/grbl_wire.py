@@ -2,8 +2,8 @@
 `passo panel` offers).
 
     wire = Wire(write, heard, answered)
-    wire.say(PAGE, b"$J=G91X1F100", answered)    # True if it was sent; answered(error) follows, 0: ok
-    wire.order(Command(HOLD))                    # answered(event) follows: of a reset once the board has begun anew
+    wire.send_line(PAGE, b"$J=G91X1F100", answered)    # True if it was sent; answered(error) follows, 0: ok
+    wire.send_command(Command(HOLD))             # answered(event) follows: of a reset once the board has begun anew
     wire.feed(data, now_ms)                      # heard(line, owner) of each line that is no answer
 
 A controller answers each line once, in order: a list of the owners of lines leads each answer back.
@@ -46,17 +46,17 @@ class Wire:
         self.window = RX_ROOM  # bytes of lines that may be under way
         self._buffer = b""
 
-    def room(self, length):
+    def has_room(self, length):
         """True if a line of `length` bytes may be sent now."""
         return not self._under_way or self._bytes + length + 1 <= self.window
 
-    def of(self, owner):
+    def count_lines(self, owner):
         """How many lines of `owner` are under way."""
         return len([each for each in self._under_way if each[0] == owner])
 
-    def say(self, owner, line, answered=None):
+    def send_line(self, owner, line, answered=None):
         """Send a line without its end, if there is room."""
-        if not self.room(len(line)):
+        if not self.has_room(len(line)):
             return False
         self._under_way.append((owner, line, answered))
         self._bytes += len(line) + 1
@@ -65,15 +65,15 @@ class Wire:
 
     # --- commands of a page
 
-    def takes(self, command):
+    def can_take(self, command):
         """True if `command` can be sent now: a real-time byte always, a line if there is room."""
-        return command.kind not in _LINES or self.room(len(_LINES[command.kind]))
+        return command.kind not in _LINES or self.has_room(len(_LINES[command.kind]))
 
-    def order(self, command):
+    def send_command(self, command):
         """Send a command as a line or a real-time byte; the event ACCEPTED or REFUSED follows at `answered`."""
         kind = command.kind
         if kind in _LINES:
-            self.say(PAGE, _LINES[kind], lambda error: self._answered(Event(REFUSED if error else ACCEPTED, command, error)))
+            self.send_line(PAGE, _LINES[kind], lambda error: self._answered(Event(REFUSED if error else ACCEPTED, command, error)))
             return
         self.write(bytes((_OVERRIDES[command.value, command.power, command.feed] if kind == commands.OVERRIDE else _BYTES[kind],)))
         if kind == commands.RESET:
@@ -81,14 +81,14 @@ class Wire:
         else:
             self._answered(Event(ACCEPTED, command))
 
-    def ask(self):
+    def ask_report(self):
         """Ask for a report."""
         self.write(b"?")
 
-    def silent(self):
+    def note_silence(self):
         """Do nothing: the board may still answer the lines under way."""
 
-    def oldest(self):
+    def oldest_line(self):
         """The line that is answered next, b"" if there is none."""
         return self._under_way[0][1] if self._under_way else b""
 

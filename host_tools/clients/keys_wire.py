@@ -1,6 +1,6 @@
 """The kit's keys as the page's machine speaks them: keys out, refusals in.
 
-    wire = KeysWire(write, machine)     # machine.report(dict), machine.answered(event)
+    wire = KeysWire(write, machine)     # machine.report(dict), machine.take_answer(event)
     wire.open = True                    # the port is: a kit that does not answer is taken to be there
 
 A board of Passo answers `?` by that byte and the number of the last refusal, and lines about settings by lines. Another kit does not know either, and is asked
@@ -29,10 +29,10 @@ class KeysWire:
         self._text = ""  # of its answer so far
         self._overtaken = 0
 
-    def takes(self, command):
+    def can_take(self, command):
         return self._line is None and self._answers
 
-    def order(self, command):
+    def send_command(self, command):
         """A line about settings: keys are written as they are."""
         self._line, self._text, self._overtaken = command, "", 0
         self.write(line_of(setting_line(command)))
@@ -61,12 +61,12 @@ class KeysWire:
         """The line under way is done with."""
         line, self._line = self._line, None
         if line:
-            self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error, told))
+            self._machine.take_answer(Event(REFUSED if error else ACCEPTED, line, error, told))
 
     def _report_error(self, error):
         self._machine.report({"state": "alarm" if error >= errors.ALARM_HARD_LIMIT else "idle", "error": error})
 
-    def ask(self):
+    def ask_report(self):
         """Ask for the last refusal. A kit that never answers is asked _TIMES times only."""
         if not self.open:
             return
@@ -83,4 +83,4 @@ class KeysWire:
         self._buffer = b""
         self._end_line(errors.NO_ANSWER)
 
-    silent = drop
+    note_silence = drop

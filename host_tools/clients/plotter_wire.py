@@ -1,6 +1,6 @@
 """The plotter's packets as the page's machine speaks them: commands out, answers and reports in.
 
-    wire = PlotterWire(write, board, machine)       # machine.answered(event), machine.report(dict)
+    wire = PlotterWire(write, board, machine)       # machine.take_answer(event), machine.report(dict)
 
 One packet is under way at a time. The language has no word for "no": STATUS, which is asked all the time, tells the refusals. If a later STATUS is
 answered, but not the packet before it, the packet was lost and is sent again; a point twice is a line of no length.
@@ -43,11 +43,11 @@ class PlotterWire:
 
     # --- commands
 
-    def takes(self, command):
+    def can_take(self, command):
         """True if `command` can be sent now: no packet is under way, or it is a STOP."""
         return self._command is None or command.kind == commands.STOP
 
-    def order(self, command):
+    def send_command(self, command):
         """Send a command. Its event follows at the machine; a STOP ends the command under way."""
         if self._command is not None:
             self._end_command(errors.NO_ANSWER if self._command.kind == commands.SETTING else 0)  # a STOP overtakes it
@@ -80,9 +80,9 @@ class PlotterWire:
         """The packet under way is done with."""
         command, self._command = self._command, None
         self._text = None
-        self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
+        self._machine.take_answer(Event(REFUSED if error else ACCEPTED, command, error, told))
 
-    def ask(self):
+    def ask_report(self):
         """Ask for STATUS."""
         self.write(packet(COMMANDS["STATUS"]))
 
@@ -92,7 +92,7 @@ class PlotterWire:
         if self._command is not None:
             self._end_command(errors.NO_ANSWER)
 
-    silent = drop
+    note_silence = drop
 
     # --- answers
 

@@ -1,12 +1,12 @@
 """The control commands of the pulses language under way on one wire, and the flow of a file beside them.
 
     wire = PulsesWire(write, "xyz", machine)
-    wire.order(command)                         # machine.answered(event) follows
-    wire.control(("load", 100), answered)       # True if it was sent; answered(error) follows, 0: ok
-    wire.feed(data, now_ms)                     # machine.report(dict) of each status, machine.heard(line) of lines that are no answer
+    wire.send_command(command)                  # machine.take_answer(event) follows
+    wire.send_control(("load", 100), answered)       # True if it was sent; answered(error) follows, 0: ok
+    wire.feed(data, now_ms)                     # machine.report(dict) of each status, machine.take_line(line) of lines that are no answer
 
 A board answers control commands in order. Errors of a file come between them, with their line and column or without a command that waits: those go
-to heard(), and never take the place of an answer. {end} is the exception: a board may or may not answer it after a file has failed; the next status
+to take_line(), and never take the place of an answer. {end} is the exception: a board may or may not answer it after a file has failed; the next status
 shows that.
 """
 
@@ -89,23 +89,23 @@ class PulsesWire:
         """True if a command of that verb is not answered."""
         return bool([1 for words, _ in self._under_way if words[0] == verb])
 
-    def takes(self, command):
+    def can_take(self, command):
         """True if `command` can be sent now: fewer than _MOST are under way, or it is a STOP."""
         return len(self._under_way) < _MOST or command.kind == commands.STOP
 
-    def order(self, command):
+    def send_command(self, command):
         """Send a command; the event ACCEPTED or REFUSED follows at the machine."""
         def tell_machine(error):
             told, self._told = self._told, []
-            self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
+            self._machine.take_answer(Event(REFUSED if error else ACCEPTED, command, error, told))
 
         self._send_words(words_of(command, self._axes), tell_machine)
 
-    def ask(self):
+    def ask_report(self):
         """Ask for the status."""
-        self.control(_ASK, None)
+        self.send_control(_ASK, None)
 
-    def control(self, words, answered):
+    def send_control(self, words, answered):
         """Send a control command, if few are under way."""
         return len(self._under_way) < _MOST and self._send_words(words, answered)
 
@@ -138,7 +138,7 @@ class PulsesWire:
             if answered:
                 answered(LOST)
 
-    silent = drop
+    note_silence = drop
 
     def feed(self, data, now_ms):
         """Take bytes of the board: each ACK gives CREDIT bytes more of a file, all else are lines."""
@@ -171,7 +171,7 @@ class PulsesWire:
         else:
             if line[:6] == "error:":
                 self._failed = True
-            self._machine.heard(line)
+            self._machine.take_line(line)
 
     def _first_words(self):
         return self._under_way[0][0] if self._under_way else None

@@ -83,7 +83,7 @@ class Bridge:
     def _prove_line(self, body):
         self._count += 1
         count = b"%d" % self._count
-        proof = self._hmac.hex(self._nonce + b"." + count + b"." + body).encode()
+        proof = self._hmac.hex_digest(self._nonce + b"." + count + b"." + body).encode()
         return count + b"." + proof + b"." + body + b"\n"
 
     def close(self):

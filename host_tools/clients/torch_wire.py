@@ -1,6 +1,6 @@
 """The torch's frames as the page's machine speaks them: commands out, reports in.
 
-    wire = TorchWire(write, machine)        # machine.answered(event), machine.report(dict)
+    wire = TorchWire(write, machine)        # machine.take_answer(event), machine.report(dict)
 
 The board answers lines about settings only: other commands count as done once sent. The board counts those it drops, and its reports say why.
 """
@@ -75,11 +75,11 @@ class TorchWire:
         self._text = ""  # of its answer so far
         self._reports = 0  # since it was sent
 
-    def takes(self, command):
+    def can_take(self, command):
         """True: commands need no answer, so any number may be under way."""
         return True
 
-    def order(self, command):
+    def send_command(self, command):
         """Send a command. Its event ACCEPTED comes at once; that of a setting comes with the board's answer."""
         if command.kind == commands.SETTING:
             self._drop_line()
@@ -88,9 +88,9 @@ class TorchWire:
             self._write(b"".join([torch.passo(torch.LINE_OF, byte) for byte in line_of(setting_line(command))]))
             return
         self._write(frame_of(command))
-        self._machine.answered(Event(ACCEPTED, command))
+        self._machine.take_answer(Event(ACCEPTED, command))
 
-    def ask(self):
+    def ask_report(self):
         """Ask for a report."""
         self._write(torch.passo(torch.STATUS_OF))
 
@@ -101,7 +101,7 @@ class TorchWire:
     def _drop_line(self, error=errors.NO_ANSWER, told=None):
         line, self._line, self._text = self._line, None, ""
         if line:
-            self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error, told))
+            self._machine.take_answer(Event(REFUSED if error else ACCEPTED, line, error, told))
 
     def _late_line(self):
         """Give up a line that several reports have overtaken: a board answers in order, so it does not know the line."""
@@ -114,7 +114,7 @@ class TorchWire:
         if is_complete(self._text):
             self._drop_line(*answer_of(self._text))
 
-    silent = drop
+    note_silence = drop
 
     def feed(self, data, now_ms):
         """Take bytes of the board: reports go to the machine, texts end the setting under way."""

@@ -5,13 +5,13 @@
     machine.feed(data, now_ms)              # bytes from the board
     machine.poll(now_ms)                    # some hundred times a second
 
-A wire (host_tools/clients) says commands in the board's language: takes(command), order(command), ask() for a report, feed(data, now_ms),
-silent() and drop(). It tells the machine answered(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
+A wire (host_tools/clients) says commands in the board's language: can_take(command), send_command(command), ask_report(), feed(data, now_ms),
+note_silence() and drop(). It calls the machine's take_answer(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
 """
 
 from host_tools.page.slow_order import run_at_once
 from passo import errors
-from passo.protocols.page.lease import elapsed_ms
+from passo.protocols.page.lease import ms_since
 
 _JOG_ASK_MS = 40  # between two reports, while a jog goes on
 _MOST = 64  # commands that wait for room
@@ -42,7 +42,7 @@ def _with_wire(kind):
         beside = staticmethod(run_at_once)  # beside(work, then): then(work()), later where a loop is not to wait for it
         retries = 0  # questions that were asked again
         late = 0  # reports of steps that were not computed in time; grbl has no word for it in its reports
-        left = False  # the port has been closed, which may be amid an order: poll() calls lost()
+        left = False  # the port has been closed, which may be amid an order: poll() calls lose_board()
 
         def __init__(self, tell, wire, board, spoken=None):
             kind.__init__(self, Told(), 0, board, tell, spoken)
@@ -50,46 +50,46 @@ def _with_wire(kind):
             self.state["link"] = False
             self._presence = bool(board and board.get("network") and board["network"]["presence"])
 
-        def do(self, command, answered=None):
+        def queue_command(self, command, answered=None):
             if len(self.said) >= _MOST:
                 return errors.TOO_MANY_WAITING
-            kind.do(self, command, answered)
-            self.say_on()
+            kind.queue_command(self, command, answered)
+            self.send_waiting()
             return 0
 
-        def say_on(self):
+        def send_waiting(self):
             """Say what there is room for."""
-            while self.said and self.wire.takes(self.said[0][0]):
+            while self.said and self.wire.can_take(self.said[0][0]):
                 said = self.said.pop(0)
                 self.unanswered.append(said)
-                self.wire.order(said[0])
+                self.wire.send_command(said[0])
 
-        def give(self, owner):
+        def hand_over(self, owner):
             """Take the command from another link; the page gives it to none."""
-            return kind.give(self, owner) if owner == "page" else errors.UNKNOWN_COMMAND
+            return kind.hand_over(self, owner) if owner == "page" else errors.UNKNOWN_COMMAND
 
-        def absent(self):
+        def presence_error(self):
             """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine.
             Most languages have no word for who is there: then never."""
             return errors.PRESENCE if self._presence else 0
 
-        def attached(self, is_open):
+        def note_port(self, is_open):
             """The port has been opened, or closed: what was under way is not answered any more."""
             if not is_open:
                 self.state["link"] = False
                 self.left = True
 
-        def lost(self):
+        def lose_board(self):
             """There is no board any more, or about to be another one."""
             self.wire.drop()
-            self.silent()
+            self.note_silence()
 
-        def silent(self):
+        def note_silence(self):
             """The board tells nothing."""
             self.state["link"] = False
             self.end_jog()
             self.said = []
-            self.wire.silent()
+            self.wire.note_silence()
 
     return Said
 
@@ -111,25 +111,25 @@ def _with_reports(kind):
         def feed(self, data, now_ms):
             self._now_ms = now_ms
             self.wire.feed(data, now_ms)
-            self.say_on()
+            self.send_waiting()
 
         def poll(self, now_ms):
             """Ask, end what has lapsed, say what has waited."""
             if self.left:
                 self.left = False
-                self.lost()
-            self.go_on(now_ms)
-            if elapsed_ms(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
+                self.lose_board()
+            self.update_jog(now_ms)
+            if ms_since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
                 self._asked_ms = now_ms
                 if self._asking:
                     self.retries += 1
                 else:
                     self._unanswered_ms = now_ms
                 self._asking = True
-                self.wire.ask()
-            if self.state["link"] and self._asking and elapsed_ms(now_ms, self._unanswered_ms) > self.silent_ms:
-                self.silent()
-            self.say_on()
+                self.wire.ask_report()
+            if self.state["link"] and self._asking and ms_since(now_ms, self._unanswered_ms) > self.silent_ms:
+                self.note_silence()
+            self.send_waiting()
 
         def report(self, report):
             self._asking = False
@@ -137,7 +137,7 @@ def _with_reports(kind):
             self.late += report.get("error") == errors.WORDS_LATE
             alarm = self._alarm_of(report)
             if alarm and not self._record.alarm:
-                self.alarmed(alarm)
+                self.raise_alarm(alarm)
             self._record.alarm = self.state["alarm"] = alarm
             kind.report(self, report)
             if self.watcher:
@@ -147,9 +147,9 @@ def _with_reports(kind):
             """The number of the alarm that is there, 0: none."""
             return (report["error"] or self._record.alarm or errors.NUMBER) if report["state"] == "alarm" else 0
 
-        def alarmed(self, number):
+        def raise_alarm(self, number):
             self._record.alarm = self.state["alarm"] = number
             self.drop_jog()
-            self.note(number)
+            self.log_error(number)
 
     return Reported

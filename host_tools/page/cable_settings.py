@@ -112,22 +112,22 @@ def with_settings(kind):
             self.kinds[commands.SETTING] = self._take_setting
             self.kinds[commands.STILL] = self._take_setting
 
-        def told_settings(self):
+        def settings_texts(self):
             self._questions.begin()
             return self.settings
 
-        def set(self, number, text):
+        def set_setting(self, number, text):
             value = thousandths(text)
             if value is None:
                 return errors.NUMBER
-            return self.still() or self.do(Command(commands.SETTING, number, value), self.finished)
+            return self.busy_error() or self.queue_command(Command(commands.SETTING, number, value), self.note_result)
 
         def poll(self, now_ms):
             kind.poll(self, now_ms)
             question = self._questions.next_question()
             rests = self.state["link"] and self.state["state"] in _RESTING and not self.jog.active and not self.said and not self.unanswered
-            if question and rests and self.wire.takes(question) and not self.still():
-                self.wire.order(self._questions.pop_question())
+            if question and rests and self.wire.can_take(question) and not self.busy_error():
+                self.wire.send_command(self._questions.pop_question())
 
         def _take_setting(self, event):
             found = self._questions.take_answer(event)
@@ -146,8 +146,8 @@ def with_settings(kind):
                 self._take_jogs(Known(self.settings, self.scale))
             self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
 
-        def silent(self):
-            kind.silent(self)
+        def note_silence(self):
+            kind.note_silence(self)
             self._questions.forget_question()
 
     return WithSettings

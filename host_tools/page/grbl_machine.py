@@ -14,7 +14,7 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.grbl import AXES, GrblPage
-from passo.protocols.page.lease import elapsed_ms
+from passo.protocols.page.lease import ms_since
 
 _FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a position counts from
 _MOST_DOUBTS = 200  # more than the lines that a board has unanswered
@@ -23,12 +23,12 @@ _Cabled = with_jobs(on_cable(GrblPage))
 
 class GrblMachine(_Cabled):
     can = GrblPage.can + ("jobs", "teach", "single")
-    answered = PageMachine.answered
+    take_answer = PageMachine.take_answer
 
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
         self.job = Job(self)
-        _Cabled.__init__(self, tell, Wire(write, self._take_line, self.answered), None)
+        _Cabled.__init__(self, tell, Wire(write, self._take_line, self.take_answer), None)
         self.guest = GuestSender(self, guest)
         self._offset = None
         self._waits = b""  # the line that is answered next
@@ -48,11 +48,11 @@ class GrblMachine(_Cabled):
     # --- the board
 
     def poll(self, now_ms):
-        if self.state["link"] and not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
+        if self.state["link"] and not self._known and self.is_at_rest() and self.wire.has_room(len(b"$I\n$$")):
             if self.options is None:
                 self.turns = self.rotary = ""
-                self.wire.say(PAGE, b"$I", self._take_options)
-            self._known = self.wire.say(PAGE, b"$$", self._note_settings)
+                self.wire.send_line(PAGE, b"$I", self._take_options)
+            self._known = self.wire.send_line(PAGE, b"$$", self._note_settings)
         _Cabled.poll(self, now_ms)
 
     def _take_options(self, error):
@@ -68,17 +68,17 @@ class GrblMachine(_Cabled):
         self.axes = AXES[: len([number for number in self.settings if 100 <= number < 104])]
         self._tell({"t": "settings", "axes": self.axes, "settings": self.settings, "turns": self.turns})
 
-    def lost(self):
-        _Cabled.lost(self)
+    def lose_board(self):
+        _Cabled.lose_board(self)
         self.settings = {}
         self._more = []
         self.position = self._offset = None
 
-    def silent(self):
+    def note_silence(self):
         self._known = False
         self.options = self._letters = None
         self._doubts = 0
-        _Cabled.silent(self)
+        _Cabled.note_silence(self)
 
     def _take_line(self, line, owner):
         if line[:1] == "<" and line[-1:] == ">":
@@ -92,14 +92,14 @@ class GrblMachine(_Cabled):
                 self._tell({"t": "said", "text": line})
             return
         if line[:1] == "$" and owner == PAGE:
-            if self.wire.oldest() is self._typed_line:
+            if self.wire.oldest_line() is self._typed_line:
                 self._tell({"t": "said", "text": line})
             number, _, value = line[1:].partition("=")
             if number.isdigit():
                 self.settings[int(number)] = value
             return
         if line[:6] == "ALARM:" and line[6:].isdigit():
-            self.alarmed(200 + int(line[6:]))
+            self.raise_alarm(200 + int(line[6:]))
         elif line[:5] == "Grbl ":
             self.end_jog()
             self.job.fail(errors.STOPPED)
@@ -114,14 +114,14 @@ class GrblMachine(_Cabled):
                 self._letters, *sizes = line[5:-1].split(",")
                 if len(sizes) > 1 and all(map(str.isdigit, sizes)):
                     self._blocks, self.wire.window = int(sizes[0]), max(RX_ROOM, int(sizes[1]))
-        elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
+        elif line[:1] == "[" and not self.job.take_line(line) and owner == PAGE:
             if line[:8] == "[ROTARY:":
                 self.rotary = line
                 self.turns = line[8:-1].partition(",")[0].lower()
             self._tell_touch(line)
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
-            self.guest.hear(line)
+            self.guest.pass_line(line)
 
     def _tell_touch(self, line):
         """[PRB:…:1]: a touch, of whoever has asked to be told."""
@@ -166,12 +166,12 @@ class GrblMachine(_Cabled):
 
     def _count_down(self, stands):
         """How long a G4 still lasts: its line is answered at its end, and the machine stands meanwhile."""
-        line = self.wire.oldest()
+        line = self.wire.oldest_line()
         if line is not self._waits:
             self._waits = line
             self._wait_ms = dwell_ms(line)
         elif self._wait_ms and stands:
-            self._wait_ms = max(0, self._wait_ms - elapsed_ms(self._now_ms, self._counted_ms))
+            self._wait_ms = max(0, self._wait_ms - ms_since(self._now_ms, self._counted_ms))
         self._counted_ms = self._now_ms
         self.state["wait"] = self._wait_ms / 1000 if stands else 0
 
@@ -187,22 +187,22 @@ class GrblMachine(_Cabled):
 
     # --- what is said
 
-    def say(self, line, answered=None):
+    def send_line(self, line, answered=None):
         """A line of the page; 0, or why it cannot be said."""
-        return 0 if self.wire.say(PAGE, line, answered or self.finished) else errors.TOO_MANY_WAITING
+        return 0 if self.wire.send_line(PAGE, line, answered or self.note_result) else errors.TOO_MANY_WAITING
 
     def _queue_line(self, line):
-        return self.say(line.encode(), self._answer_typed)
+        return self.send_line(line.encode(), self._answer_typed)
 
     def _say_typed(self, line):
         """A line whose answers are shown, those of `$$` and of `?`, too."""
         self._typed_line = typed = line.encode()
-        error = self.say(typed, lambda error: self._answer_typed(error, typed))
+        error = self.send_line(typed, lambda error: self._answer_typed(error, typed))
         self._asked = not error and line.strip() == "?"
         return error
 
     def _answer_typed(self, error, line=b""):
-        self.finished(error)
+        self.note_result(error)
         if error != LOST:
             text = error and self.cause and self.cause(error, line)
             if text:
@@ -219,25 +219,25 @@ class GrblMachine(_Cabled):
         """An alarm from before this page began may want a reset, too: the line is refused then, and said again behind one."""
 
         def take_answer(error):
-            if error != errors.LOCKED or self.do(Command(commands.RESET), lambda _: self.say(line, self._answer_typed)):
+            if error != errors.LOCKED or self.queue_command(Command(commands.RESET), lambda _: self.send_line(line, self._answer_typed)):
                 self._answer_typed(error)
 
-        return self.say(line, take_answer)
+        return self.send_line(line, take_answer)
 
     def _jog_to(self, position, speed, counted, answered=None):
-        return self.say(b"$J=" + _FROM[counted] + b"G21" + axis_words(position) + b"F%.1f" % speed, answered)
+        return self.send_line(b"$J=" + _FROM[counted] + b"G21" + axis_words(position) + b"F%.1f" % speed, answered)
 
     def _setting_value(self, number):
         return float(self.settings.get(number, "1"))
 
-    def set(self, number, text):
-        error = GrblPage.set(self, number, text)
+    def set_setting(self, number, text):
+        error = GrblPage.set_setting(self, number, text)
         self._known = False
         return error
 
-    def line(self, text):
+    def run_line(self, text):
         """A line as typed; a setting among them is told to all pages."""
-        error = self.still() or self._say_typed(text)
+        error = self.busy_error() or self._say_typed(text)
         if text[:1] == "$" and "=" in text:
             self._known = False
         return error
@@ -250,16 +250,16 @@ class GrblMachine(_Cabled):
     def _may_jog(self, direction):
         return self._known and _Cabled._may_jog(self, direction)
 
-    def absent(self):
+    def presence_error(self):
         return errors.PRESENCE if "n" in self.state.get("pins", "") else 0
 
     # --- who commands
 
-    def give(self, owner):
+    def hand_over(self, owner):
         """Hand the command over: "page" or "guest"; only at rest. The page takes it back from another link of the board, too."""
         if owner == self.state["owner"]:
-            return self.do(Command(commands.HAND_OVER)) if owner == "page" else 0
-        if self.still() or self.wire.of(GUEST) or self.wire.of(PAGE):
+            return self.queue_command(Command(commands.HAND_OVER)) if owner == "page" else 0
+        if self.busy_error() or self.wire.count_lines(GUEST) or self.wire.count_lines(PAGE):
             return errors.BUSY
         self.state["owner"] = owner
         self.guest.commanded = self.guest.commanded or owner == "guest"

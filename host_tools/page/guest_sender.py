@@ -67,13 +67,13 @@ class GuestSender:
             line = self._lines[0]
             word = line.strip().upper()
             if word in _TAKE:
-                if wire.of(GUEST):
+                if wire.count_lines(GUEST):
                     return
-                self._send_answer(self._machine.give("guest"))
+                self._send_answer(self._machine.hand_over("guest"))
             elif not word or self._has_command() or word in QUESTIONS:
-                if not wire.say(GUEST, line):
+                if not wire.send_line(GUEST, line):
                     return
-            elif wire.of(GUEST):
+            elif wire.count_lines(GUEST):
                 return  # its answer would overtake theirs
             else:
                 self._send_answer(errors.COMMANDED_ELSEWHERE)
@@ -85,10 +85,10 @@ class GuestSender:
             self._asked = False
             self._send_line(line)
 
-    def hear(self, line):
+    def pass_line(self, line):
         self._send_line(line)
 
-    def gone(self):
+    def forget_lines(self):
         """It has closed its port: what it has queued is dropped."""
         self._lines = []
         self._buffer = b""

@@ -24,13 +24,13 @@ class Job:
         self._failed_line = 0
         self.name = ""
 
-    def running(self):
+    def is_running(self):
         return self._lines is not None
 
     def run(self, name, lines, passes, checked, single=False):
-        """Begin; `checked`: the board only looks at the lines; `single`: step() says when a line goes. Returns 0 or an error."""
+        """Begin; `checked`: the board only looks at the lines; `single`: step_line() says when a line goes. Returns 0 or an error."""
         machine = self._machine
-        error = machine.still()
+        error = machine.busy_error()
         if error or machine.state["state"] not in ("Idle", "Check"):
             return error or errors.BUSY
         number, error = first_job_error(lines)
@@ -51,7 +51,7 @@ class Job:
         self._halting = False
         self._foreign = machine.wire.foreign
         if checked:
-            machine.say(b"$C")
+            machine.send_line(b"$C")
         self._show_state("run", 0)
         return 0
 
@@ -65,15 +65,15 @@ class Job:
             self.abort()
             return
         while self._at < self._most:
-            if not wire.say(PAGE, self._lines[self._at][1], self._count_answer):
+            if not wire.send_line(PAGE, self._lines[self._at][1], self._count_answer):
                 return
             self._at += 1
 
     def play(self, what):
         """Go on with a job that goes line by line: "step", one line; "run", all the rest."""
-        return self.step() if what == "step" else self.go() if what == "run" else errors.UNKNOWN_COMMAND
+        return self.step_line() if what == "step" else self.run_rest() if what == "run" else errors.UNKNOWN_COMMAND
 
-    def step(self):
+    def step_line(self):
         """One more line, if those before it are done; of a job that runs by itself: no more lines than have been sent."""
         if self._lines is None or self._halting or self._checked:
             return errors.NO_SUCH_JOB
@@ -86,7 +86,7 @@ class Job:
             self._most = self._at + 1
         return 0
 
-    def go(self):
+    def run_rest(self):
         """Line by line no more."""
         if self._lines is None or self._halting:
             return errors.NO_SUCH_JOB
@@ -94,7 +94,7 @@ class Job:
         self._most = len(self._lines)
         return 0
 
-    def heard(self, line):
+    def take_line(self, line):
         """True if a line in brackets is the job's business alone."""
         return False
 
@@ -138,7 +138,7 @@ class Job:
                 self._failed_line = self._machine.state.get("line") or 0  # where it was; more have been answered
             self._end_job("failed", self._failed or error)
 
-    def line(self):
+    def line_number(self):
         """Number, in the file, of the line that was refused, or of the one that the board has answered last."""
         return self._failed_line or self._lines[self._done - 1][0] if self._lines and self._done else 0
 
@@ -148,11 +148,11 @@ class Job:
         self._done += 1
         if error and not self._halting:
             self._failed = error
-            self._failed_line = self.line()
+            self._failed_line = self.line_number()
             if self._checked:
                 self._end_job("failed", error)
             else:
-                self._machine.finished(error)
+                self._machine.note_result(error)
                 self.abort()
 
     def _end_job(self, how, error):
@@ -164,15 +164,15 @@ class Job:
 
     def _show_state(self, how, error):
         """What every page gets to know: `how` is run, done or failed."""
-        self._machine.state["job"] = self.shown(how, error)
+        self._machine.state["job"] = self.state_fields(how, error)
 
-    def shown(self, how, error):
+    def state_fields(self, how, error):
         return {
-            "name": self.name, "how": how, "error": error, "line": self.line(), "lines": len(self._lines), "done": self._done,
+            "name": self.name, "how": how, "error": error, "line": self.line_number(), "lines": len(self._lines), "done": self._done,
             "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self._single,
         }  # fmt: skip
 
-    def refresh(self):
+    def refresh_state(self):
         """The state's picture of a job that runs."""
         if self._lines is not None:
             self._show_state("halting" if self._halting else "run", 0)

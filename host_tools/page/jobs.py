@@ -20,23 +20,23 @@ def with_jobs(kind):
             kind.poll(self, now_ms)
             self.job.poll()
 
-        def alarmed(self, number):
-            kind.alarmed(self, number)
+        def raise_alarm(self, number):
+            kind.raise_alarm(self, number)
             self.job.fail(number)
 
-        def silent(self):
-            kind.silent(self)
+        def note_silence(self):
+            kind.note_silence(self)
             self.job.fail(errors.NO_ANSWER)
 
-        def shown(self):
-            self.job.refresh()
-            return kind.shown(self)
+        def page_state(self):
+            self.job.refresh_state()
+            return kind.page_state(self)
 
-        def still(self):
-            return errors.BUSY if self.job.running() else kind.still(self)
+        def busy_error(self):
+            return errors.BUSY if self.job.is_running() else kind.busy_error(self)
 
         def _may_jog(self, direction):
-            return kind._may_jog(self, direction) and not self.job.running()
+            return kind._may_jog(self, direction) and not self.job.is_running()
 
         def run(self, name, lines, passes, checked, single):
             return self.job.run(name, lines, passes, checked, single)

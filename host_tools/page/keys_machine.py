@@ -1,7 +1,7 @@
 """The page of a kit of two motors on a cable that speaks keys.
 
     machine = KeysMachine(write, tell, board)
-    machine.attached(True)          # the port is open: a kit that is no board of Passo tells nothing else
+    machine.note_port(True)         # the port is open: a kit that is no board of Passo tells nothing else
 
 The state shown is what follows from the keys that this page has sent.
 """
@@ -16,7 +16,7 @@ _Cabled = with_settings(on_cable(KeysPage))
 
 class KeysMachine(_Cabled):
     again_ms = 300
-    give = _Cabled._refuse_order
+    hand_over = _Cabled._refuse_order
 
     def __init__(self, write, tell, board):
         _Cabled.__init__(self, tell, KeysWire(write, self), board)
@@ -24,7 +24,7 @@ class KeysMachine(_Cabled):
     def _write_key(self, key):
         self.wire.write(key)
 
-    def attached(self, is_open):
+    def note_port(self, is_open):
         self.wire.open = is_open
         if not is_open:
-            self.lost()
+            self.lose_board()

@@ -18,10 +18,10 @@ _MOST_PLACED = 100_000  # mm
 
 class PanelOrders(Orders):
     def __init__(self, machine, store, teach=None, choose=None, proving=None, own=None):
-        """`store`: the jobs: names(), lines(name), text(name, at), about(name, settings), add(name, at, piece, last), put(name, text), remove(name); what
+        """`store`: the jobs: names(), lines_of(name), text_piece(name, at), facts_of(name, settings), add_piece(name, at, piece, last), put_job(name, text), remove_job(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
-        no choice. `proving`: its order(order) and end() begin and end a proof of the board; None: there is no proof here. `own`: its
-        order(order) makes and changes board files of the user's own; None: there are none here."""
+        no choice. `proving`: its carry_out(order) and end() begin and end a proof of the board; None: there is no proof here. `own`: its
+        carry_out(order) makes and changes board files of the user's own; None: there are none here."""
         Orders.__init__(self, machine)
         self.store = store
         self.teach = teach
@@ -30,7 +30,7 @@ class PanelOrders(Orders):
             self._orders["machine"] = self._order_machine
         self._proving = proving
         if proving:
-            self._orders["prove"] = proving.order
+            self._orders["prove"] = proving.carry_out
         self._own = own
         if own:
             self._orders["board"] = self._order_board
@@ -48,11 +48,11 @@ class PanelOrders(Orders):
         self._queue = None
         if hasattr(store, "tools"):  # a tab's jobs are not looked at
             self._queue = Queue(machine, self._look_through, self._run_whole)
-            self._orders["queue"] = self._queue.order
+            self._orders["queue"] = self._queue.carry_out
         if hasattr(store, "place"):
             self._orders["job_place"] = self._job_place
 
-    def can(self):
+    def page_orders(self):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
         return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + (["prove"] if self._proving else []) + (["board"] if self._own else []) + list(self.makes)
 
@@ -61,7 +61,7 @@ class PanelOrders(Orders):
         if self._queue:
             self._queue.poll()
 
-    def order(self, order, proven, remote=False):
+    def answer_order(self, order, proven, remote=False):
         """`remote`: it comes from another computer, and the board does not know that."""
         answer = self.begin(order, proven, remote)
         later = answer.get("error")
@@ -73,11 +73,11 @@ class PanelOrders(Orders):
         if known and order.get("do") == "stop":
             self._stops += 1
             if self._queue:
-                self._queue.stopped()
+                self._queue.note_stop()
             if self._proving:
                 self._proving.end()
-        error = self.machine.absent() if remote and proven and known and starts_motion(order) else 0
-        answer = self._plain_answer(order["do"], error) if error else self._full_answer(order, Orders.order(self, order, proven))
+        error = self.machine.presence_error() if remote and proven and known and starts_motion(order) else 0
+        answer = self._plain_answer(order["do"], error) if error else self._full_answer(order, Orders.answer_order(self, order, proven))
         if known and order.get("do") == "stop" and not answer["error"] and not self.machine.state["link"]:
             answer["error"] = errors.NO_ANSWER  # it is sent if there is a port, but nobody says that it has arrived
         return answer
@@ -104,13 +104,13 @@ class PanelOrders(Orders):
         return found
 
     def _order_machine(self, order):
-        return self.machine.still() or self._choose(text_field(order, "name", 64))
+        return self.machine.busy_error() or self._choose(text_field(order, "name", 64))
 
     def _order_board(self, order):
         """A board file of the user's own: `what` is get, new, set, back or remove."""
-        if text_field(order, "what", 8) != "get" and self.machine.still():
-            return self.machine.still()
-        return SlowOrder(lambda: self._own.order(order), self._own.finish)
+        if text_field(order, "what", 8) != "get" and self.machine.busy_error():
+            return self.machine.busy_error()
+        return SlowOrder(lambda: self._own.carry_out(order), self._own.finish)
 
     # --- jobs
 
@@ -120,7 +120,7 @@ class PanelOrders(Orders):
     def _job_text(self, order):
         name = text_field(order, "name", 64)
         at = int(number_field(order, "at", 0, _MOST_NUMBER, 0))
-        found = self.store.text(name, at)
+        found = self.store.text_piece(name, at)
         return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
 
     def _job_about(self, order):
@@ -135,7 +135,7 @@ class PanelOrders(Orders):
             answer.update(found)
             return answer
 
-        return self.machine.still() or SlowOrder(lambda: self.store.about(name, settings), about_answer, slow=True)
+        return self.machine.busy_error() or SlowOrder(lambda: self.store.facts_of(name, settings), about_answer, slow=True)
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""
@@ -145,21 +145,21 @@ class PanelOrders(Orders):
         if not isinstance(piece, str):
             raise Wrong("text")
         if not order.get("last"):
-            return self.store.add(name, at, piece, False)
-        return SlowOrder(lambda: self.store.add(name, at, piece, True), job=name, slow=True)  # a drawing becomes a job
+            return self.store.add_piece(name, at, piece, False)
+        return SlowOrder(lambda: self.store.add_piece(name, at, piece, True), job=name, slow=True)  # a drawing becomes a job
 
     def _job_place(self, order):
         """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
         name = text_field(order, "name", 64)
         place = [number_field(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
-        return self.machine.still() or SlowOrder(lambda: self.store.place(name, place), job=name, slow=True)
+        return self.machine.busy_error() or SlowOrder(lambda: self.store.place(name, place), job=name, slow=True)
 
     def _job_remove(self, order):
-        return self.machine.still() or self.store.remove(text_field(order, "name", 64))
+        return self.machine.busy_error() or self.store.remove_job(text_field(order, "name", 64))
 
     def _look_through(self, name):
         """(lines, the tools they change to or None) of a job, or the number of an error."""
-        lines = self.store.lines(name)
+        lines = self.store.lines_of(name)
         return lines if is_refusal(lines) else (lines, self.store.tools(lines))
 
     def _run_whole(self, name, lines):
@@ -167,17 +167,17 @@ class PanelOrders(Orders):
 
     def _order_run(self, order):
         passes = int(number_field(order, "passes", 1, _PASSES, 1))
-        error = self.machine.refusal() or self.machine.still()
+        error = self.machine.refusal() or self.machine.busy_error()
         if error:
             return error
         name = text_field(order, "name", 64)
         stops = self._stops
 
         def begin(lines):
-            error = lines if is_refusal(lines) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.still()
+            error = lines if is_refusal(lines) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.busy_error()
             return error or self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
 
-        return SlowOrder(lambda: self.store.lines(name), begin, name)
+        return SlowOrder(lambda: self.store.lines_of(name), begin, name)
 
     # --- teach-in
 
@@ -187,12 +187,12 @@ class PanelOrders(Orders):
         if self.teach is None or what not in ("begin", "save", "drop"):
             return errors.UNKNOWN_COMMAND
         if what == "begin":
-            return self.machine.still() or self.teach.begin()
+            return self.machine.busy_error() or self.teach.begin()
         if what == "drop":
             return self.teach.drop()
         name = text_field(order, "name", 64)
-        error = self.machine.still() or self.store.name_error(name)
+        error = self.machine.busy_error() or self.store.name_error(name)
         if error:
             return error
         taught = self.teach.text()
-        return taught if isinstance(taught, int) else self.store.put(name, taught)
+        return taught if isinstance(taught, int) else self.store.put_job(name, taught)

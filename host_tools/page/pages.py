@@ -1,10 +1,10 @@
 """The pages that a PC's server serves: orders in, answers and the state out.
 
     pages = PanelPages(api, key, most)
-    page = pages.enter(socket, pages.about(more), now_ms)
-    answer = pages.hear(page, text, now_ms)     # a dict; its "error" may be a SlowOrder, see finish(); None: it is to be closed
+    page = pages.add_page(socket, pages.first_fields(more), now_ms)
+    answer = pages.answer_message(page, text, now_ms)     # a dict; its "error" may be a SlowOrder, see finish(); None: it is to be closed
     pages.next_state(now_ms)                    # the message for all of them that are due
-    page.pace.due(pages.version, now_ms)
+    page.pace.is_due(pages.version, now_ms)
 """
 
 import json
@@ -17,9 +17,9 @@ from passo.web.pages import Pages
 
 
 class ServedPages(Pages):
-    """What all servers of a PC share: a message is proven and read here, carried out by `order(page, order, proven)` of the class behind."""
+    """What all servers of a PC share: a message is proven and read here, carried out by `answer_order(page, order, proven)` of the class behind."""
 
-    def hear(self, page, text, now_ms):
+    def answer_message(self, page, text, now_ms):
         """The answer to a message, a dict; None: the page is to be closed."""
         said = text
         text, proven = self.open(page, text, now_ms)
@@ -32,15 +32,15 @@ class ServedPages(Pages):
         answer = self.look(page, order)
         if answer is None:
             try:
-                answer = self.order(page, order, proven)
+                answer = self.answer_order(page, order, proven)
             except OSError:  # a full disk
-                answer = self.unwritten(order)
+                answer = self.not_written_answer(order)
             if isinstance(order, dict) and isinstance(order.get("id"), int):
                 answer["id"] = order["id"]
         return answer
 
 
-    def unwritten(self, order):
+    def not_written_answer(self, order):
         """The answer to an order, or to its first answer, on which the disk has failed."""
         do = order.get("do") if isinstance(order, dict) else ""
         return {"t": "answer", "do": do if isinstance(do, str) else "", "error": errors.NOT_WRITTEN}
@@ -65,19 +65,19 @@ class PanelPages(ServedPages):
         self.beat = 0
         self.version = None  # another one once more than places have changed
 
-    def about(self, more):
+    def first_fields(self, more):
         """What the first message to a page says, with `more`."""
-        told = self.api.hello()
+        told = self.api.first_message()
         told.update(more)
         return told
 
-    def leave(self, page):
+    def remove_page(self, page):
         there = page in self.pages
-        Pages.leave(self, page)
+        Pages.remove_page(self, page)
         if there and page.lease:
             self.api.machine.end_jog()
 
-    def order(self, page, order, proven):
+    def answer_order(self, page, order, proven):
         answer = self.api.begin(order, proven, page.remote)
         if isinstance(order, dict) and order.get("do") == "jog" and not answer["error"]:
             page.lease = order["lease"]
@@ -91,8 +91,8 @@ class PanelPages(ServedPages):
         """The state as it is pushed to all pages, JSON. A jog's lease counts from it: it is sent at once."""
         self.beat = self.beat % COUNT_MASK + 1
         machine = self.api.machine
-        machine.beat(self.beat)
-        state = dict(machine.shown())
+        machine.note_beat(self.beat)
+        state = dict(machine.page_state())
         state["t"] = "state"
         state["beat"] = self.beat
         state["pages"] = len(self.pages)

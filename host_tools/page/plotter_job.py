@@ -37,12 +37,12 @@ class PlotterJob:
         self._backward = False
         self._open = 0
 
-    def running(self):
+    def is_running(self):
         return self._lines is not None
 
     def run(self, name, lines, passes, checked, single=False):
         """Begin; `checked`: the lines are only read; `single`: play("step") says when a point is drawn. Returns 0 or an error."""
-        if self._machine.still():
+        if self._machine.busy_error():
             return errors.BUSY
         self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
         self._begin_at(0, single)
@@ -105,7 +105,7 @@ class PlotterJob:
     def _send_packet(self, name, x, y, answered):
         self._busy = True
         tool = name == "LINE"
-        self._machine.do(Command(_KINDS[name], (x, y) if tool or name == "MOVE" else None, x, tool), answered)
+        self._machine.queue_command(Command(_KINDS[name], (x, y) if tool or name == "MOVE" else None, x, tool), answered)
 
     def _ends_with(self, error):
         """True if the job has ended, or does by this answer."""
@@ -192,7 +192,7 @@ class PlotterJob:
     def _at_its_end(self):
         """True if a job that is done has been taken up where it ended: it may go back."""
         lines = self._ended
-        if lines is None or self._machine.still():
+        if lines is None or self._machine.busy_error():
             return False
         self._lines = lines
         if not self._machine.stands_at(read_line(lines[max(0, self._point_before(len(lines)))][1])):
@@ -214,12 +214,12 @@ class PlotterJob:
     def poll(self):
         """The answers let it go on."""
 
-    def refresh(self):
+    def refresh_state(self):
         if self._lines is not None:
             self._show_state("run", 0)
 
     def abort(self):
-        return self._machine.stop() if self.running() else 0
+        return self._machine.stop() if self.is_running() else 0
 
     def fail(self, error):
         if self._lines is not None:

@@ -2,7 +2,7 @@
 
     job = PulsesJob(machine, board)
     error = job.run("square.txt", data, 1, False)       # bytes, passes, only checked
-    job.refusal()                                       # 0: it may be played back, and a code at a time
+    job.replay_refusal()                                # 0: it may be played back, and a code at a time
     job.poll()                                          # sends what there is room for
 """
 
@@ -41,16 +41,16 @@ class PulsesJob:
         self._back = self._checked = self._single = False
         self._idle = 0
 
-    def sending(self):
+    def is_sending(self):
         """True while a file goes to the board and nothing of it moves yet."""
         return self._phase != _NO_FILE and not self._stream
 
-    def running(self):
+    def is_running(self):
         return self._phase != _NO_FILE or self.playing
 
     def run(self, name, data, passes, checked, single=False):
         """Begin; `checked`: the board only looks at it; `single`: the page says when a code goes. Returns 0 or an error."""
-        if self._machine.still() or self.running() or self._machine.state["state"] != "Idle":
+        if self._machine.busy_error() or self.is_running() or self._machine.state["state"] != "Idle":
             return errors.BUSY
         if not data:
             return errors.NO_STEP_PROGRAM
@@ -70,7 +70,7 @@ class PulsesJob:
         self._stream = stream
         self._sent = 0
         self._size = len(self._data) * (self._passes if stream else 1)
-        if not self._machine.wire.control(("stream" if stream else "load", self._size), self._begin_sending):
+        if not self._machine.wire.send_control(("stream" if stream else "load", self._size), self._begin_sending):
             return errors.TOO_MANY_WAITING
         self._phase = _OPENING
         self._show_state("load", 0)
@@ -97,7 +97,7 @@ class PulsesJob:
             piece = data[at : at + min(wire.credit, _PIECE)]
             wire.send(piece)
             self._sent += len(piece)
-        if self._sent == self._size and wire.control(END, self._take_end):
+        if self._sent == self._size and wire.send_control(END, self._take_end):
             self._phase = _CLOSING
 
     def _take_end(self, error):
@@ -112,13 +112,13 @@ class PulsesJob:
             self._end_job("done", 0)
         elif self._single:
             self.playing = self.paused = True
-        elif not self._machine.wire.control(("run", self._passes), self.went):
+        elif not self._machine.wire.send_control(("run", self._passes), self.take_play_answer):
             self._end_job("failed", errors.TOO_MANY_WAITING)
 
-    def went(self, error):
+    def take_play_answer(self, error):
         """{run} and its kin have been answered."""
         if error and error != LOST:
-            self._machine.finished(error)
+            self._machine.note_result(error)
             if not self.playing:
                 self._end_job("failed", error)
         elif not error:
@@ -126,10 +126,10 @@ class PulsesJob:
             self.paused = False
             self._idle = 0
 
-    def wrong(self, error, row, column):
+    def note_file_error(self, error, row, column):
         """The board makes no sense of the file, from there on, or cannot keep it."""
         if self._phase == _NO_FILE:
-            self._machine.finished(error)
+            self._machine.note_result(error)
             return
         self._row, self._column = row, column
         if error != errors.STEP_PROGRAM_FULL or self._stream:
@@ -158,7 +158,7 @@ class PulsesJob:
             self._phase = _NO_FILE
             self._end_job("done", 0)
 
-    def heard(self, line):
+    def take_line(self, line):
         """What the board says unasked of a file that it plays."""
         if line == "end" and self.playing:
             self._at = self._of
@@ -169,9 +169,9 @@ class PulsesJob:
         elif line == "oldest":
             self._end_job("oldest", 0)
 
-    def refusal(self):
+    def replay_refusal(self):
         """0, or why what the board has may not be played."""
-        return errors.BUSY if self.sending() else 0 if self.name else errors.NO_STEP_PROGRAM
+        return errors.BUSY if self.is_sending() else 0 if self.name else errors.NO_STEP_PROGRAM
 
     def report(self, state, fields):
         """A report: `state` is the board's word, `fields` all of it."""
@@ -190,11 +190,11 @@ class PulsesJob:
 
     def abort(self):
         """Stop at the next step; the file is at its start then."""
-        return self._machine.stop() if self.running() else 0
+        return self._machine.stop() if self.is_running() else 0
 
     def fail(self, error):
         """It has ended, for a reason outside of it."""
-        if self.running():
+        if self.is_running():
             self._phase = _NO_FILE
             self._end_job("failed", error)
 
@@ -212,7 +212,7 @@ class PulsesJob:
             "row": self._row, "column": self._column,
         }  # fmt: skip
 
-    def refresh(self):
+    def refresh_state(self):
         """The state's picture of a job that runs."""
         if self.playing:
             self._show_state("run", 0)

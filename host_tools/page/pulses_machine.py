@@ -34,19 +34,19 @@ class PulsesMachine(_Cabled):
 
     # --- what the board says
 
-    def heard(self, line):
+    def take_line(self, line):
         """A line that answers nothing."""
         if line[:6] == "alarm:" and line[6:].isdigit():
-            self.alarmed(int(line[6:]))
+            self.raise_alarm(int(line[6:]))
         elif line == "stopped" or line == "ready":
             self.end_jog()
             self.job.fail(errors.STOPPED)
         elif line[:6] == "error:":
             words = line[6:].split(" ")  # 120 line 3 column 7
             if words[0].isdigit():
-                self.job.wrong(int(words[0]), int(words[2]) if len(words) > 4 else 0, int(words[4]) if len(words) > 4 else 0)
+                self.job.note_file_error(int(words[0]), int(words[2]) if len(words) > 4 else 0, int(words[4]) if len(words) > 4 else 0)
         else:
-            self.job.heard(line)
+            self.job.take_line(line)
 
     def _show_fields(self, report):
         PulsesPage._show_fields(self, report)
@@ -54,8 +54,8 @@ class PulsesMachine(_Cabled):
         self.job.report(name, report["fields"])
         if name in ("idle", "hold", "alarm"):
             self._record_moves()
-        self.teach.on(state["tool"], state["drives"])
-        state["teaching"] = self.teach.places()
+        self.teach.note_tool(state["tool"], state["drives"])
+        state["teaching"] = self.teach.count_moves()
 
     def _file_moves(self, name):
         return self.job.playing and not self.job.paused
@@ -64,7 +64,7 @@ class PulsesMachine(_Cabled):
         return program["port"]
 
     def _take_play_answer(self, error):
-        self.job.went(error)
+        self.job.take_play_answer(error)
 
     # --- moves by hand
 
@@ -72,7 +72,7 @@ class PulsesMachine(_Cabled):
         """The machine stands: what was moved by hand since it last did is known now."""
         if self._from is not None and not self.said and not self.wire.waits_for("jog") and not self.jog.waiting:
             made = [self._steps[axis] - self._from[axis] for axis in range(len(self._steps))]
-            self.teach.moved([run for runs in self._runs for run in runs], made, self.state["feed"])
+            self.teach.add_moves([run for runs in self._runs for run in runs], made, self.state["feed"])
             self._runs = []
             self._from = None
 
@@ -84,7 +84,7 @@ class PulsesMachine(_Cabled):
         def take_answer(error):
             if error and runs in self._runs:
                 self._runs.remove(runs)
-            (answered or self.finished)(error)
+            (answered or self.note_result)(error)
 
         self._from = self._from or self._steps
         self._runs.append(runs)
@@ -94,18 +94,18 @@ class PulsesMachine(_Cabled):
         return error
 
     def _move_steps(self, steps):
-        return errors.BUSY if self.job.sending() else PulsesPage._move_steps(self, steps)
+        return errors.BUSY if self.job.is_sending() else PulsesPage._move_steps(self, steps)
 
     def _may_jog(self, direction):
-        return PulsesPage._may_jog(self, direction) and not self.job.sending()
+        return PulsesPage._may_jog(self, direction) and not self.job.is_sending()
 
     # --- orders
 
-    def still(self):
-        return errors.BUSY if self.job.sending() else PulsesPage.still(self)
+    def busy_error(self):
+        return errors.BUSY if self.job.is_sending() else PulsesPage.busy_error(self)
 
     def hold(self):
-        return self.stop() if self.job.sending() else _Cabled.hold(self)
+        return self.stop() if self.job.is_sending() else _Cabled.hold(self)
 
     def play(self, what):
-        return self.job.refusal() or PulsesPage.play(self, what)
+        return self.job.replay_refusal() or PulsesPage.play(self, what)

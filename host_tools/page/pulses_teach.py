@@ -2,7 +2,7 @@
 
     teach = PulsesTeach("xyz")
     teach.begin()
-    teach.moved([(0, 100), (1, 50)], [100, 20], 1200)   # said; steps of each axis that came of it; mm/min
+    teach.add_moves([(0, 100), (1, 50)], [100, 20], 1200)   # said; steps of each axis that came of it; mm/min
     text = teach.text()                                 # "[\n+1200\nAAAA…CCCC…\n]\n"
 
 The file makes the same steps in the same order, at the same speed. A move that was cut counts as far as it came.
@@ -23,7 +23,7 @@ class PulsesTeach:
         self._parts = None  # (code, count), and marks with a count of 0
         self._tool = False
 
-    def places(self):
+    def count_moves(self):
         """How many moves have been recorded; −1: it does not record."""
         return -1 if self._parts is None else len([1 for _, count in self._parts if count])
 
@@ -38,14 +38,14 @@ class PulsesTeach:
         self._parts = None
         return 0
 
-    def on(self, tool, drives):
+    def note_tool(self, tool, drives):
         """A report: whether the tool is on."""
         self._tool = tool
         if self._parts is not None and tool != self._lit:
             self._lit = tool
             self._parts.append(("(" if tool else ")", 0))
 
-    def moved(self, runs, made, speed):
+    def add_moves(self, runs, made, speed):
         """`runs`: (axis, steps) in their order; `made`: steps of each axis that came of them; `speed`: mm/min."""
         if self._parts is None:
             return

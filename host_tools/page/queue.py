@@ -32,7 +32,7 @@ class Queue:
     def _show_state(self, waits, tool=""):
         self._machine.state["queue"] = {"jobs": list(self._jobs), "on": bool(self._now or waits), "waits": waits, "tool": tool}
 
-    def order(self, order):
+    def carry_out(self, order):
         what = text_field(order, "what", 8)
         jobs, waits = self._jobs, self._machine.state["queue"]
         if what == "add":
@@ -73,7 +73,7 @@ class Queue:
         if not self._jobs:
             return errors.NO_SUCH_JOB
         name, stops = self._jobs[0], self._stops
-        return machine.refusal() or machine.still() or SlowOrder(
+        return machine.refusal() or machine.busy_error() or SlowOrder(
             lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin_job(name, found), name
         )
 
@@ -84,7 +84,7 @@ class Queue:
         if self._jobs[:1] != [name]:
             return errors.BUSY  # another page has changed it meanwhile
         lines, tools = found
-        error = machine.refusal() or machine.still() or self._run(name, lines)
+        error = machine.refusal() or machine.busy_error() or self._run(name, lines)
         if error:
             return error
         self._jobs.pop(0)
@@ -96,7 +96,7 @@ class Queue:
     def poll(self):
         """Look whether the job of the queue has ended; begin the next one, or ask for it."""
         machine = self._machine
-        if not self._now or self._reads or machine.job.running() or machine.state["state"] != "Idle":
+        if not self._now or self._reads or machine.job.is_running() or machine.state["state"] != "Idle":
             if self._now and not machine.state["link"]:
                 self._stop_queue()
             return
@@ -108,7 +108,7 @@ class Queue:
         else:
             self._read_next()
 
-    def stopped(self):
+    def note_stop(self):
         """Somebody has said STOP: the one that is being read does not begin."""
         self._stops += 1
 
@@ -135,7 +135,7 @@ class Queue:
         tools = None if is_refusal(found) else found[1]
         if is_refusal(found):
             self._show_state("gone")
-        elif self._jobs[:1] != [name] or tools is None or self._machine.absent():
+        elif self._jobs[:1] != [name] or tools is None or self._machine.presence_error():
             self._show_state("asks")
         elif tools and tools[0] != self._tool:
             self._show_state("tool", tools[0])

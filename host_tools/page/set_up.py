@@ -43,7 +43,7 @@ class SetUp:
         return self._keep_job("make", SURFACE, "\n".join(lines) + "\n")
 
     def _keep_job(self, do, name, made):
-        error = self._machine.still() or self._store.name_error(name) or self._store.put(name, made)
+        error = self._machine.busy_error() or self._store.name_error(name) or self._store.put_job(name, made)
         return error or {"t": "answer", "do": do, "error": 0, "name": name}
 
     def _order_map(self, order):
@@ -66,7 +66,7 @@ class SetUp:
         if size["x1"] <= size["x0"] or size["y1"] <= size["y0"] or columns * rows > MOST_POINTS:
             return errors.ORDER_FIELD
         machine = self._machine
-        error = machine.refusal() or machine.still()
+        error = machine.refusal() or machine.busy_error()
         if error:
             return error
         grid = Grid(size["x0"], size["y0"], size["x1"], size["y1"], columns, rows)
@@ -80,7 +80,7 @@ class SetUp:
     def _add_touch(self, place):
         """A touch in work coordinates: one of the map's while its job runs."""
         job = self._machine.job
-        if self._grid and job.running() and job.name == PROBING and not self._grid.is_whole():
+        if self._grid and job.is_running() and job.name == PROBING and not self._grid.is_whole():
             self._grid.heights.append(place[2])
 
     def _map_answer(self):
@@ -100,7 +100,7 @@ class SetUp:
         """(name, text) of a second job, which follows `grid`; or why there is none."""
         found, size = "", 1
         while len(found) < size:
-            piece = self._store.text(name, len(found))
+            piece = self._store.text_piece(name, len(found))
             if isinstance(piece, int):
                 return piece
             found, size = found + piece[0], piece[1]

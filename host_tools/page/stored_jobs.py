@@ -40,7 +40,7 @@ class StoredJobs(Job):
     def _carry_out(self, order):
         machine = self._machine
         what, name = order.get("what"), order.get("name")
-        error = machine.refusal() or machine.still()
+        error = machine.refusal() or machine.busy_error()
         if error:
             return error
         if what == "list" and machine.options is None:
@@ -50,16 +50,16 @@ class StoredJobs(Job):
             if "F" not in machine.options:
                 self._tell_list(errors.STATEMENT)
                 return 0
-            return 0 if machine.wire.say(PAGE, b"$F", self._tell_list) else errors.BUSY
+            return 0 if machine.wire.send_line(PAGE, b"$F", self._tell_list) else errors.BUSY
         if not isinstance(name, str) or not name_fits(name):
             return errors.STORED_NAME
         if what == "delete":
-            return machine.say(b"$FD=" + name.encode())
+            return machine.send_line(b"$FD=" + name.encode())
         if what == "run":
             return self._start_job(name, "check" if order.get("check") else "run")
         if what == "store" and self._packed:
             job = order.get("job")
-            return SlowOrder(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store_job(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
+            return SlowOrder(lambda: self._packed(job), lambda found: machine.refusal() or machine.busy_error() or self._store_job(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
         return errors.UNKNOWN_COMMAND
 
     def _tell_list(self, error):
@@ -68,7 +68,7 @@ class StoredJobs(Job):
 
     # --- what the board says
 
-    def heard(self, line):
+    def take_line(self, line):
         """True if a line in brackets is of stored jobs."""
         if line[:6] == "[FILE:":
             name, size = line[6:].split("|")[:2]
@@ -91,7 +91,7 @@ class StoredJobs(Job):
 
     def report(self, state):
         told = self._machine.state.get("stored")
-        if told and not Job.running(self) and self._kept is None:
+        if told and not Job.is_running(self) and self._kept is None:
             self._begin_job(told.partition(",")[2], "run")  # begun by a button, or with the board
         if self._kept not in ("run", "check"):
             Job.report(self, state)
@@ -107,8 +107,8 @@ class StoredJobs(Job):
 
     # --- running
 
-    def running(self):
-        return self._kept is not None or Job.running(self)
+    def is_running(self):
+        return self._kept is not None or Job.is_running(self)
 
     def _begin_job(self, name, what):
         self.name = name
@@ -119,12 +119,12 @@ class StoredJobs(Job):
 
     def _start_job(self, name, what):
         machine = self._machine
-        if machine.state["state"] not in ("Idle", "Alarm") or not machine.wire.room(len(name) + 8):
+        if machine.state["state"] not in ("Idle", "Alarm") or not machine.wire.has_room(len(name) + 8):
             return errors.BUSY
         self._begin_job(name, what)
         if what == "check":
-            machine.say(b"$C")
-        machine.wire.say(PAGE, b"$F=" + name.encode(), self._take_run_answer)
+            machine.send_line(b"$C")
+        machine.wire.send_line(PAGE, b"$F=" + name.encode(), self._take_run_answer)
         return 0
 
     def _take_run_answer(self, error):
@@ -177,7 +177,7 @@ class StoredJobs(Job):
     def poll(self):
         Job.poll(self)
         if self._upload and not self._waiting and self._kept == "store":
-            self._waiting = self._machine.wire.say(PAGE, self._upload[0], self._take_piece_answer)
+            self._waiting = self._machine.wire.send_line(PAGE, self._upload[0], self._take_piece_answer)
 
     def _take_piece_answer(self, error):
         self._waiting = False
@@ -199,8 +199,8 @@ class StoredJobs(Job):
             "pass": 1, "passes": 1, "checked": self._kept == "check", "single": False, "stored": True,
         }  # fmt: skip
 
-    def refresh(self):
+    def refresh_state(self):
         if self._kept is None:
-            Job.refresh(self)
+            Job.refresh_state(self)
         else:
             self._tell_kept("halting" if self._halting else "store" if self._kept == "store" else "run", 0)

@@ -2,7 +2,7 @@
 
     teach = Teach(recognise)
     teach.begin()               # from where the machine stands
-    teach.see(state)            # with each report
+    teach.add_report(state)     # with each report
     text = teach.text()         # G-code
 
 A manual move of the page is straight, from rest to rest: so the positions where it rests are its path. Moves that go on in one line are
@@ -26,7 +26,7 @@ class Teach:
         self._feed = 0
         self._lines = []
 
-    def places(self):
+    def count_positions(self):
         """How many positions have been recorded; −1: it does not record."""
         return -1 if self._points is None else self._count
 
@@ -45,7 +45,7 @@ class Teach:
         self._points = None
         return 0
 
-    def see(self, state):
+    def add_report(self, state):
         """A report of the machine; what it says at rest is a position."""
         if self._points is None:
             return

@@ -50,8 +50,8 @@ def _create_grbl(board, write, tell, guest):
     )
 
     def record_state(state):
-        teach.see(state)
-        state["teaching"] = teach.places()
+        teach.add_report(state)
+        state["teaching"] = teach.count_positions()
 
     def join(store):
         machine.job = RecoverableJobs(machine, tell, store)

@@ -29,7 +29,7 @@ class OwnBoards:
         self._tell = tell
         self._told = set(files)
 
-    def order(self, order):
+    def carry_out(self, order):
         """The answer to an order, which touches the disk: beside the panel's loop. Then finish() returns it there."""
         try:
             name = text_field(order, "name", 64)

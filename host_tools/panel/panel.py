@@ -93,7 +93,7 @@ class Panel:
         """The board's port has come or goes: its bytes are taken as they come."""
         if self._loop is None:
             return
-        self.machine.attached(opened)
+        self.machine.note_port(opened)
         if opened:
             self._loop.add_reader(fd, self._read_board)
         else:
@@ -133,7 +133,7 @@ class Panel:
                 self._proving.end()
             else:
                 self._port.lend_port()
-                self.machine.lost()
+                self.machine.lose_board()
             await self._proving.run()
         finally:
             self._port.take_back(self._port.name, self._port.baud)
@@ -143,14 +143,14 @@ class Panel:
         """0, or why the board may not be stopped and started anew now."""
         if self.machine.state["link"] and self.machine.refusal():
             return self.machine.refusal()
-        return errors.BUSY if self.machine.still() or self.machine.state["state"] in _HALF_WAY else 0
+        return errors.BUSY if self.machine.busy_error() or self.machine.state["state"] in _HALF_WAY else 0
 
     async def _wait_and_check(self):
         """0, or why the board may not be stopped after all, which is told: a move that began just before has been reported by now."""
         await asyncio.sleep(SETTLE_S)
         error = self._restart_refusal()
         if error:
-            self.machine.note(error)
+            self.machine.log_error(error)
         return error
 
     async def _become_machine(self, name):
@@ -158,7 +158,7 @@ class Panel:
             if await self._wait_and_check():
                 return
             self._port.lend_port()
-            self.machine.lost()
+            self.machine.lose_board()
             self._tell_pages({"t": "changing", "name": name})
             port, link, board = await self._loop.run_in_executor(None, self._change, name)
         except Failure as failure:

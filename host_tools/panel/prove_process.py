@@ -32,7 +32,7 @@ class ProveProcess:
         self._given_up = False
         self._shown = {"t": "prove", "how": ""}
 
-    def order(self, order):
+    def carry_out(self, order):
         what = text_field(order, "what", 8)
         if what == "get":
             return dict(self._shown)

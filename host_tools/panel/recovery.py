@@ -31,7 +31,7 @@ _HOMING, _HOMING_WAYS = 22, 23  # settings: whether it homes, and which axes at 
 
 class RecoverableJobs(StoredJobs):
     def __init__(self, machine, tell, store):
-        StoredJobs.__init__(self, machine, tell, store.packed)
+        StoredJobs.__init__(self, machine, tell, store.pack_job)
         self._tell_all = tell
         self._files = store
         self._asked = False  # the journal is known, or has been asked for
@@ -46,22 +46,22 @@ class RecoverableJobs(StoredJobs):
         machine.state["recover"] = None
         machine.orders["recover"] = self._order_recovery
 
-    def heard(self, line):
+    def take_line(self, line):
         if self._collects is not None and line[:5] != "[MSG:":
             self._collects.append(line)
             return True
-        return StoredJobs.heard(self, line)
+        return StoredJobs.take_line(self, line)
 
     def report(self, state):
         machine = self._machine
         if state == "Home" or self._changed != self._files.changed and not self._stage:
             self._changed = self._files.changed
             self._asked = False
-        if not self._asked and self._collects is None and state in _REST and machine.settings and machine.options is not None and not self.running() and not machine.refusal():
+        if not self._asked and self._collects is None and state in _REST and machine.settings and machine.options is not None and not self.is_running() and not machine.refusal():
             self._asked = "J" not in machine.options
-            if not self._asked and machine.wire.room(len(b"$JR")):
+            if not self._asked and machine.wire.has_room(len(b"$JR")):
                 self._collects = []
-                self._asked = machine.wire.say(PAGE, b"$JR", self._take_journal)
+                self._asked = machine.wire.send_line(PAGE, b"$JR", self._take_journal)
         StoredJobs.report(self, state)
 
     def fail(self, error):
@@ -93,7 +93,7 @@ class RecoverableJobs(StoredJobs):
         number = self._plan_number
 
         def take_result(result):
-            if self._plan_number == number and not self.running():
+            if self._plan_number == number and not self.is_running():
                 then(result)
             else:
                 self._asked = False
@@ -131,7 +131,7 @@ class RecoverableJobs(StoredJobs):
     def _order_recovery(self, order):
         machine = self._machine
         what, offer = order.get("what"), machine.state["recover"]
-        error = machine.refusal() or machine.still()
+        error = machine.refusal() or machine.busy_error()
         if error:
             return error
         if what == "from":
@@ -156,7 +156,7 @@ class RecoverableJobs(StoredJobs):
         self._forget_offer()
         homing, ways = (int(machine.settings.get(number, 0)) for number in (_HOMING, _HOMING_WAYS))
         rises = known and homing and not ways >> 2 & 1 and len(machine.axes) > 2 and machine.state["state"] == "Idle"
-        return (machine.say(b"G53G0Z0") if rises else 0) or machine.say(b"M5") or machine.say(b"M9")
+        return (machine.send_line(b"G53G0Z0") if rises else 0) or machine.send_line(b"M5") or machine.send_line(b"M9")
 
     def _forget_offer(self):
         """It is offered no more; nothing moves. Behind a line that was chosen, the journal may have another offer."""
@@ -180,7 +180,7 @@ class RecoverableJobs(StoredJobs):
         if self._collects is not None:
             return errors.BUSY
         self._collects = []
-        if journal and not machine.wire.say(PAGE, b"$JR") or not machine.wire.say(PAGE, b"$#", told):
+        if journal and not machine.wire.send_line(PAGE, b"$JR") or not machine.wire.send_line(PAGE, b"$#", told):
             self._collects = None
             return errors.BUSY
         return 0
@@ -190,7 +190,7 @@ class RecoverableJobs(StoredJobs):
         machine = self._machine
         if machine.state["state"] not in _REST or not machine.settings:
             return errors.LOCKED
-        if isinstance(self._files.text(name, 0), int):
+        if isinstance(self._files.text_piece(name, 0), int):
             return errors.NO_SUCH_JOB
 
         def plan_offer(error):
@@ -210,7 +210,7 @@ class RecoverableJobs(StoredJobs):
 
     def _from_line(self, name, line, said):
         """(Replay, stages, rest) of a line of a job. Raises Failure."""
-        lines = self._files.program(name)
+        lines = self._files.program_lines(name)
         settings = [f"${key}={value}" for key, value in dict(self._machine.settings).items()]
         found = replay.Replay(Machine.of_answers(settings, said, [self._machine.rotary]), lines)
         return (found, *found.from_line(line))
@@ -236,7 +236,7 @@ class RecoverableJobs(StoredJobs):
         """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
         name = offer["name"]
         if "held" in offer:
-            number, lines = offer["line"], self._files.program(name)
+            number, lines = offer["line"], self._files.program_lines(name)
             _, stages, rest = self._from_line(name, number, said)
         else:
             program = [(lines, crc) for found, lines, crc in self._files.programs() if found == name]
@@ -252,7 +252,7 @@ class RecoverableJobs(StoredJobs):
             if what == asks:
                 next_ = " ".join(_as_text(line) for line in sent)
             parts[bool(next_)].extend((number, _as_text(line).encode()) for line in [*sent, "G4P0"])
-        return parts[0], parts[1] + self._files.numbered(rest), next_
+        return parts[0], parts[1] + self._files.number_lines(rest), next_
 
     def _go_down(self):
         if self._machine.position != self._position:
@@ -270,7 +270,7 @@ class RecoverableJobs(StoredJobs):
     def run(self, name, lines, passes, checked, single=False):
         machine = self._machine
         said = b"" if checked or not self._has_journal() else b"$JR=%08x" % self._job_number(name, lines)
-        error = machine.still() or (0 if machine.wire.room(len(said)) else errors.BUSY) or StoredJobs.run(self, name, lines, passes, checked, single)
+        error = machine.busy_error() or (0 if machine.wire.has_room(len(said)) else errors.BUSY) or StoredJobs.run(self, name, lines, passes, checked, single)
         if error:
             return error
         self._stage = ""
@@ -278,7 +278,7 @@ class RecoverableJobs(StoredJobs):
         machine.state["recover"] = None
         self._announcing = bool(said)
         if said:
-            machine.wire.say(PAGE, said, self._note_announcement)
+            machine.wire.send_line(PAGE, said, self._note_announcement)
         return 0
 
     def _has_journal(self):
@@ -291,7 +291,7 @@ class RecoverableJobs(StoredJobs):
 
     def _note_announcement(self, error):
         self._announcing = False
-        if error and error != LOST and "J" in (self._machine.options or "") and self.running():
+        if error and error != LOST and "J" in (self._machine.options or "") and self.is_running():
             self.fail(error)  # its lines would be taken for those of the job before
 
     def _begin_job(self, name, what):

@@ -26,7 +26,7 @@ from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
 from passo import errors
 from passo.records import COUNT_MASK
-from passo.web.guard import known
+from passo.web.guard import is_own_request
 
 _LOOK_S = 0.01
 PUSH_MS = 50
@@ -192,7 +192,7 @@ class Server:
 
         @app.post("/stop")
         async def stop(request):
-            self.pages.overtake(request.body)
+            self.pages.refuse_older(request.body)
             answer = self.api.begin({"do": "stop"}, False)
             later = answer["error"]
             return self.api.finish(answer, await asyncio.to_thread(later.work)) if isinstance(later, SlowOrder) else answer
@@ -207,7 +207,7 @@ class Server:
 
     def _is_own_request(self, request):
         host, origin = [request.headers.get(name, "").lower().encode() or None for name in ("Host", "Origin")]
-        return known(host, origin, self._names, request.path == "/ws")
+        return is_own_request(host, origin, self._names, request.path == "/ws")
 
     def _file_response(self, name):
         data = self._file_data(name)
@@ -234,11 +234,11 @@ class Server:
     # --- a page
 
     async def _serve_page(self, request):
-        if self.pages.full() and not self._drop_unproven():
+        if self.pages.is_full() and not self._drop_unproven():
             return "too many pages", 503
         socket = await websocket_upgrade(request)
         request.sock[0].open = True
-        page = self.pages.enter(socket, self.pages.about(self._about), clock_ms(), not ip_address(request.client_addr[0]).is_loopback)
+        page = self.pages.add_page(socket, self.pages.first_fields(self._about), clock_ms(), not ip_address(request.client_addr[0]).is_loopback)
         try:
             answer = page and page.hello
             while answer is not None:
@@ -249,12 +249,12 @@ class Server:
                 else:
                     await socket.send(json.dumps(answer))
                 data = await socket.receive()
-                answer = self.pages.hear(page, data, clock_ms()) if isinstance(data, str) else None
+                answer = self.pages.answer_message(page, data, clock_ms()) if isinstance(data, str) else None
         except (OSError, WebSocketError, ValueError, EOFError):
             pass
         finally:
             if page:
-                self.pages.leave(page)
+                self.pages.remove_page(page)
         return Response.already_handled
 
     def run_beside(self, work):
@@ -298,7 +298,7 @@ class Server:
 
     def _drop_page(self, page):
         page.socket.request.sock[0].transport.abort()
-        self.pages.leave(page)
+        self.pages.remove_page(page)
 
     def _is_alive(self, page, now_ms):
         """False if a page has given no sign of life for long; it has been asked for one."""
@@ -324,7 +324,7 @@ class Server:
         """Another machine: the pages that look are told."""
         self.api = self.pages.api = api
         self._about = about
-        self.pages.tell({"t": "machine", **self.pages.about(about)})
+        self.pages.tell({"t": "machine", **self.pages.first_fields(about)})
 
     async def push(self, now_ms):
         """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
@@ -337,7 +337,7 @@ class Server:
                 self._drop_page(page)
                 continue
             told, page.told = page.told, []
-            for each in [text] * page.pace.due(self.pages.version, now_ms) + [json.dumps(event) for event in told]:
+            for each in [text] * page.pace.is_due(self.pages.version, now_ms) + [json.dumps(event) for event in told]:
                 try:
                     writer.write(bytes(WebSocket._encode_websocket_frame(WebSocket.TEXT, each)))
                 except (OSError, RuntimeError):

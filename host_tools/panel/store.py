@@ -1,8 +1,8 @@
 """The jobs of a panel: files of one folder, by names that are looked at before they reach the file system.
 
     store = Store(Path("jobs"), gcode_lines)
-    error = store.add("part.gcode", 0, text, last=True)     # in pieces; the file is there with the last one, whole
-    store.lines("part.gcode")                               # what gcode_lines makes of it, or the number of an error
+    error = store.add_piece("part.gcode", 0, text, last=True)     # in pieces; the file is there with the last one, whole
+    store.lines_of("part.gcode")                               # what gcode_lines makes of it, or the number of an error
 """
 
 import os
@@ -31,7 +31,7 @@ _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 def gcode_lines(path):
     """[(number, bytes)] as they are sent: without comments, numbered. Raises Failure."""
-    return Store.numbered(gcode_file.read(path, job=True))
+    return Store.number_lines(gcode_file.read(path, job=True))
 
 
 def not_a_job(failure):
@@ -73,7 +73,7 @@ class Store:
         path = self._folder / name
         return path if path.is_file() and not path.is_symlink() else errors.NO_SUCH_JOB
 
-    def lines(self, name):
+    def lines_of(self, name):
         """What `read` makes of the job, or the number of an error."""
         path = self._path_of(name)
         if isinstance(path, int):
@@ -85,9 +85,9 @@ class Store:
         except OSError:
             return errors.NO_SUCH_JOB
 
-    def about(self, name, settings):
+    def facts_of(self, name, settings):
         """What a job will do, a dict, or the number of an error. `settings`: those of the board."""
-        lines = self.lines(name)
+        lines = self.lines_of(name)
         if is_refusal(lines):
             return lines
         found = self._facts(lines, settings) if self._facts else {}
@@ -127,7 +127,7 @@ class Store:
         self._programs = {key: value for key, value in self._programs.items() if key[0] in [path.name for path in paths]}
         return found
 
-    def program(self, name):
+    def program_lines(self, name):
         """The lines of a job of G-code, as gcode_file.read() has them. Raises Failure."""
         path = self._path_of(name)
         if isinstance(path, int):
@@ -135,11 +135,11 @@ class Store:
         return gcode_file.read(path, job=True)
 
     @staticmethod
-    def numbered(lines):
+    def number_lines(lines):
         """Lines of a program as they are sent."""
         return [(number, number_line(number, line)) for number, line in lines]
 
-    def packed(self, name):
+    def pack_job(self, name):
         """(bytes, CRC-32, the packed bytes) of a job as a board stores it, or the number of an error."""
         path = self._path_of(name)
         if isinstance(path, int):
@@ -152,7 +152,7 @@ class Store:
             return not_a_job(failure)
         return len(data), stored_job.crc_of(data), stored_job.pack_job(data)
 
-    def text(self, name, at):
+    def text_piece(self, name, at):
         """(text from byte `at` on, at most 32 kB, and how many bytes there are), or the number of an error."""
         path = self._path_of(name)
         if isinstance(path, int):
@@ -161,7 +161,7 @@ class Store:
             file.seek(at)
             return file.read(_PIECE).decode("latin-1"), path.stat().st_size
 
-    def add(self, name, at, piece, last):
+    def add_piece(self, name, at, piece, last):
         """A piece that begins at character `at`; 0 or the number of an error."""
         error = self.name_error(name)
         if error:
@@ -173,11 +173,11 @@ class Store:
             return errors.JOB_PIECE
         if last or self._is_full(name, at + len(piece)):
             self._coming.pop(name, None)
-            return self.put(name, before + piece) if last else errors.JOB_SIZE
+            return self.put_job(name, before + piece) if last else errors.JOB_SIZE
         self._coming[name] = before + piece
         return 0
 
-    def put(self, name, text):
+    def put_job(self, name, text):
         """Keep a job under a name, whole or not at all."""
         error = self.name_error(name) or (errors.JOB_SIZE if self._is_full(name, len(text)) else 0) or text_error(text)
         if error:
@@ -219,7 +219,7 @@ class Store:
         found = self._made(name.rpartition(".")[0], text, place)
         return found if is_refusal(found) else self._write_file(name, latin_bytes(found[1]))
 
-    def remove(self, name):
+    def remove_job(self, name):
         path = self._path_of(name)
         if isinstance(path, int):
             return path

@@ -1,7 +1,7 @@
 """`passo agent`'s work: one loop for all its boards, each with its own connection to the broker.
 
     agent = Agent()
-    agent.add("plotter-3", "grbl", board, make_port, link)      # make_port(changed): a Port of host_tools/panel/board.py
+    agent.add_board("plotter-3", "grbl", board, make_port, link)      # make_port(changed): a Port of host_tools/panel/board.py
     agent.run(stopped)                                          # until stopped() is true
     agent.close()
 
@@ -72,7 +72,7 @@ class _Board:
                 self.work.yield_machine(text)
 
     def note_port(self, opened):
-        self._machine.attached(opened)
+        self._machine.note_port(opened)
 
     def _take_event(self, event):
         """Take an event that the machine sends to its pages."""
@@ -120,7 +120,7 @@ class _Board:
         if now_s - self._told_s < _TELL_S:
             return
         self._told_s = now_s
-        shown = self._machine.shown()
+        shown = self._machine.page_state()
         if not shown["link"] and now_s - self._begun_s < _FIRST_S:
             return
         self._count_events(shown)
@@ -140,10 +140,10 @@ class _Board:
         state_topics.counters["connections"] = max(self._link.connections - 1, 0)
         if not self._grbl:
             state_topics.note_late(machine.late)
-        elif not shown["link"] or not machine.stands():
+        elif not shown["link"] or not machine.is_at_rest():
             self._log_due = True
-        elif self._logs and self._log_due and machine.options is not None and machine.settings and not machine.wire.of(0):
-            self._log_due = machine.say(b"$LOG", self._note_log) != 0
+        elif self._logs and self._log_due and machine.options is not None and machine.settings and not machine.wire.count_lines(0):
+            self._log_due = machine.send_line(b"$LOG", self._note_log) != 0
 
     def _note_log(self, error):
         self._logs = error <= 0  # else a grbl without a log
@@ -158,7 +158,7 @@ class _Board:
             if what == SHOP:
                 self._shop = text
             else:
-                self.work.order(text)
+                self.work.take_order(text)
         state = self._machine.state
         pressed = _BUTTON in state.get("pins", "")
         if pressed and not self._pressed:
@@ -178,7 +178,7 @@ class Agent:
         self._selector = selectors.DefaultSelector()
         self._boards = []
 
-    def add(self, name, language, board, make_port, link, key="", about=None):
+    def add_board(self, name, language, board, make_port, link, key="", about=None):
         """`board`: a board file's table; `link`: a Link of that name; `key`: the shop's, "": the machine takes no jobs; `about`: {"kind": …}, the
         machine's properties for the shop."""
         added = _Board(name, language, board, make_port, link, self._watch_port, key, about or {})
@@ -191,7 +191,7 @@ class Agent:
         jobs."""
         return [board.page_row() for board in self._boards if board.work]
 
-    def do(self, name, what):
+    def carry_out(self, name, what):
         """An order of the person at the machine `name`: see Work.act(). Returns "", or a sentence that says why it was refused."""
         for board in self._boards:
             if board.name == name and board.work:

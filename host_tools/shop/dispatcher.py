@@ -30,7 +30,7 @@ from host_tools.shop.signed import sign_message
 from host_tools.shop.signed import SHOP as FROM_SHOP
 from host_tools.shop.state_topics import GONE, LOST, TOPICS
 from passo import errors
-from passo.web.guard import nonce
+from passo.web.guard import make_nonce
 
 _RENEW_S = 2.0  # between two nonces, at least
 _AGAIN_S = 1.0  # between two attempts to write the book
@@ -86,7 +86,7 @@ def is_reached(machine):
 class Dispatcher:
     def __init__(self, broker, key, book):
         self._key, self._book = key, book
-        self._nonce = nonce()
+        self._nonce = make_nonce()
         self._heard = Machines(key, self._nonce)
         self._renewing = None  # the timer of the next nonce
         self._ordered = {}  # machine: the text of its order, while it has not been taken
@@ -209,14 +209,14 @@ class Dispatcher:
     def _renew_nonce(self):
         with self._lock:
             self._renewing = None
-            self._nonce = nonce()
+            self._nonce = make_nonce()
             self._heard.renew(self._nonce)
             self._client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
 
     def _compare_book(self, name):
         book, told = self._book, self._told[name]
         for job_id in (told["job"], *(told["ended"] or ())[:1]):
-            book.reopen(job_id, name)
+            book.reopen_job(job_id, name)
         job = book.open_of(name)
         if told["ended"] and job and told["ended"][0] == job.id:
             book.end(job, *told["ended"][1:])
@@ -224,7 +224,7 @@ class Dispatcher:
             job = None
         if job and told["job"] == job.id:
             self._forget_order(name)
-            book.follow(job, _STATES.get(told["how"], GIVEN), told["line"], told["text"])
+            book.note_progress(job, _STATES.get(told["how"], GIVEN), told["line"], told["text"])
         elif job:
             self._order_job(name, job, told["nonce"])
         elif told["how"] == "free":
@@ -233,7 +233,7 @@ class Dispatcher:
     def end(self, job_id):
         """End a job whose machine is not reached, for somebody who has looked at it: 0 or an error."""
         with self._lock:
-            job = self._book.job(job_id)
+            job = self._book.job_by_id(job_id)
             if job is None or job.state not in OPEN:
                 return errors.NO_SUCH_JOB
             if is_reached(self.machines.get(job.machine)):
@@ -250,7 +250,7 @@ class Dispatcher:
     def _give_jobs(self, only):
         for name, told in self.machines.items():
             if only in (None, name) and told.get("how") == "free" and told.get("state") not in _AWAY:
-                job = self._book.give(name, told["nonce"], lambda job, told=told: job_fits(job, told))
+                job = self._book.give_job(name, told["nonce"], lambda job, told=told: job_fits(job, told))
                 if job:
                     self._order_job(name, job, told["nonce"])
 

@@ -1,8 +1,8 @@
 """The shop's book: every job, which machine has it, and how it ended. An SQLite file. Every change is on the disk before its call returns.
 
     book = JobTable(Path("shop.sqlite"))
-    book.add(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
-    job = book.give("plotter-3", nonce, fits)      # the first queued job for which fits(job); it is that machine's from now on
+    book.add_jobs(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
+    job = book.give_job("plotter-3", nonce, fits)  # the first queued job for which fits(job); it is that machine's from now on
     book.open_of("plotter-3")               # the job that the machine has, or None
     book.end(job, "done", line, text)
 
@@ -113,7 +113,7 @@ class JobTable:
 
     # --- the queue
 
-    def add(self, data, name, wants, copies=1):
+    def add_jobs(self, data, name, wants, copies=1):
         """Returns the new jobs' ids. All copies come, or none."""
         sha = hashlib.sha256(data).hexdigest()
         with self._open_base() as base:
@@ -124,7 +124,7 @@ class JobTable:
                 ids = []
                 while len(ids) < copies:
                     new = os.urandom(4).hex()
-                    if int(new, 16) and not self.job(new):
+                    if int(new, 16) and not self.job_by_id(new):
                         ids.append(new)
                         self._change_rows(
                             "insert into jobs (id, number, name, sha, wants, state, added) values (?, ?, ?, ?, ?, ?, ?)",
@@ -137,7 +137,7 @@ class JobTable:
                 raise
         return ids
 
-    def give(self, machine, nonce, fits):
+    def give_job(self, machine, nonce, fits):
         """The first queued job that fits is the machine's from now on. None: there is none, or the machine has one."""
         with self._open_base() as base:
             if self.open_of(machine):
@@ -147,9 +147,9 @@ class JobTable:
             if job is None:
                 return None
             self._change_rows("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
-            return self.job(job.id)
+            return self.job_by_id(job.id)
 
-    def follow(self, job, state, line, text):
+    def note_progress(self, job, state, line, text):
         """The machine says where a job that it has stands. It will say so again: this does not wait for the disk."""
         if job.state in OPEN and (job.state, job.line, job.text) != (state, line, text):
             begun = None if state == GIVEN else time.time()
@@ -167,19 +167,19 @@ class JobTable:
             begun = now if how == DONE else None
             self._change_rows("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?), ended = ? where id = ?", how, line, text, begun, now, job.id)
 
-    def reopen(self, job_id, machine):
+    def reopen_job(self, job_id, machine):
         """A machine tells of a job that was ended on the page: it was not gone for good, and has it as before."""
-        job = job_id and self.job(job_id)
+        job = job_id and self.job_by_id(job_id)
         if job and job.state == LEFT and job.machine == machine and not self.open_of(machine):
             self._change_rows("update jobs set state = ?, text = '', ended = null where id = ?", BEGUN if job.begun else GIVEN, job_id)
 
-    def withdraw(self, job_id):
+    def withdraw_job(self, job_id):
         """Remove a job from the queue. Return False if a machine has it already."""
         return self._change_rows("delete from jobs where id = ? and state = ?", job_id, QUEUED) > 0
 
     # --- reading
 
-    def job(self, job_id):
+    def job_by_id(self, job_id):
         return next(iter(self._select_jobs("where id = ?", job_id)), None)
 
     def open_of(self, machine):
@@ -193,7 +193,7 @@ class JobTable:
         """Those that are not ended, then the newest others."""
         return self._select_jobs("order by state in ('queued', 'given', 'begun', 'waiting') desc, ended desc, number limit ?", most)
 
-    def counts(self):
+    def count_states(self):
         """{state: how many jobs}"""
         return dict(self._read_rows("select state, count(*) from jobs group by state"))
 

@@ -19,7 +19,7 @@ from host_tools.resources import FIRMWARE
 from microdot import Request, Response
 from passo import errors
 from passo.protocols.page.orders import order_of
-from passo.web.guard import Guard, known, nonce
+from passo.web.guard import Guard, is_own_request, make_nonce
 
 _OWN = Path(__file__).parent / "page"
 _SHARED = FIRMWARE / "passo" / "web" / "page"
@@ -33,7 +33,7 @@ _MOST_BYTES = 4096
 
 def make_app(key, machines, do, stop):
     app = App()
-    guard = Guard(_NAMES, key, nonce(), lambda peer: False)
+    guard = Guard(_NAMES, key, make_nonce(), lambda peer: False)
     Request.max_content_length = Request.max_body_length = _MOST_BYTES
 
     def request_header(request, name):
@@ -46,7 +46,7 @@ def make_app(key, machines, do, stop):
 
     @app.before_request
     async def check_host(request):
-        if not known(request_header(request, "Host"), request_header(request, "Origin"), _NAMES, request.method == "POST"):
+        if not is_own_request(request_header(request, "Host"), request_header(request, "Origin"), _NAMES, request.method == "POST"):
             return "wrong host", 403
 
     @app.after_request
@@ -82,7 +82,7 @@ def make_app(key, machines, do, stop):
             return {"text": in_languages(await asyncio.to_thread(stop, name))}
         proof = (request.headers.get("X-Passo") or "").encode()
         signed = SimpleNamespace(proof=proof, peer=None, method=b"POST", path=b"/do", body=request.body)
-        if not guard.proven(signed, clock_ms()):
+        if not guard.is_proven(signed, clock_ms()):
             return {"text": in_languages(error_text(errors.NO_SESSION))}, 403
         return {"text": in_languages(await asyncio.to_thread(do, name, what))}
 

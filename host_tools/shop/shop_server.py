@@ -44,17 +44,17 @@ class ShopPages(ServedPages):
         self.version = None
         self._shop = shop
 
-    def about(self, more):
+    def first_fields(self, more):
         return {"kinds": uploads.list_kinds()}
 
-    def order(self, page, order, proven):
+    def answer_order(self, page, order, proven):
         return self._shop.begin(order, proven, page)
 
     def finish(self, page, answer, result):
         return self._shop.finish(answer, result)
 
     def next_state(self, now_ms):
-        state = self._shop.state()
+        state = self._shop.page_state()
         self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]], state["trouble"], state["broker"], state["adrift"]])
         return json.dumps({"t": "state", **state})
 
@@ -79,7 +79,7 @@ class Shop:
         @self.server.app.get("/job/<job_id>")
         async def send_program(request, job_id):
             try:
-                job = book.job(job_id)
+                job = book.job_by_id(job_id)
                 data = job and book.file_data(job.sha)
             except JobTableError as error:
                 return reason(error), 503
@@ -89,7 +89,7 @@ class Shop:
 
     # --- orders
 
-    def order(self, order, proven, page=None):
+    def answer_order(self, order, proven, page=None):
         answer = self.begin(order, proven, page)
         return self.finish(answer, answer["error"].work()) if isinstance(answer["error"], SlowOrder) else answer
 
@@ -158,21 +158,21 @@ class Shop:
         """Raises JobTableError if the book cannot be written for some seconds."""
         for left in reversed(range(_TRIES)):
             try:
-                return await asyncio.to_thread(self.book.add, data, name, wants, copies)
+                return await asyncio.to_thread(self.book.add_jobs, data, name, wants, copies)
             except JobTableError:
                 if not left:
                     raise
             await asyncio.sleep(_AGAIN_S)
 
     def _withdraw_job(self, order, page):
-        return 0 if self.book.withdraw(text_field(order, "job", 8)) else errors.NO_SUCH_JOB
+        return 0 if self.book.withdraw_job(text_field(order, "job", 8)) else errors.NO_SUCH_JOB
 
     def _queue_again(self, order, page):
         """A job that has ended is queued once more, as a new one."""
-        job = self.book.job(text_field(order, "job", 8))
+        job = self.book.job_by_id(text_field(order, "job", 8))
         if job is None:
             return errors.NO_SUCH_JOB
-        self.book.add(self.book.file_data(job.sha), job.name, job.wants)
+        self.book.add_jobs(self.book.file_data(job.sha), job.name, job.wants)
         self.dispatcher.look()
         return 0
 
@@ -182,7 +182,7 @@ class Shop:
 
     # --- what is shown
 
-    def state(self):
+    def page_state(self):
         self._read_book()
         trouble = self.book.trouble
         machines = [
@@ -205,7 +205,7 @@ class Shop:
         if self._seen == book.changed or now_s < self._look_s:
             return
         try:
-            seen, jobs, counts, used = book.changed, book.jobs(_SHOWN), book.counts(), book.times_of_materials()
+            seen, jobs, counts, used = book.changed, book.jobs(_SHOWN), book.count_states(), book.times_of_materials()
         except JobTableError:
             self._look_s = now_s + _READ_AGAIN_S
             return

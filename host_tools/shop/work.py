@@ -2,7 +2,7 @@
 
     work = Work(key, "plotter-3", {"kind": "corexy_plotter"}, machine, tell, parcel)
     work.act("release")         # "paper is in"; "withdraw", "go", "give up". Returns "", or why not
-    work.order(text)            # of the shop, signed
+    work.take_order(text)       # of the shop, signed
     work.poll(now_s)
     work.message_for(nonce)     # the message to the shop, signed for its nonce; "": the nonce is not known yet
 
@@ -27,7 +27,7 @@ from host_tools.programs.job_record import Record
 from host_tools.shop.job_table import DONE
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sign_message
 from passo import errors
-from passo.web.guard import nonce
+from passo.web.guard import make_nonce
 
 REST, FREE, FETCH, RUN, WAITS, GOES = "rest", "free", "fetch", "run", "waits", "goes"
 GIVEN_UP, REFUSED = "given up", "refused"  # how a job has ended; or DONE
@@ -43,13 +43,13 @@ _COUNTS_S = 20  # counts of messages a second, so that those of an agent that be
 class _Files:
     """The program of the job, by the job's number: the methods of a panel's Store that RecoverableJobs calls."""
 
-    numbered = staticmethod(Store.numbered)
+    number_lines = staticmethod(Store.number_lines)
 
     def __init__(self):
         self.changed = 0
         self._programs = []
 
-    def keep(self, *program):
+    def keep_program(self, *program):
         """(name, lines of gcode_file.read(), number); nothing: forget."""
         self._programs = [program] if program else []
         self.changed += 1
@@ -57,13 +57,13 @@ class _Files:
     def programs(self):
         return self._programs
 
-    def program(self, name):
+    def program_lines(self, name):
         for known, lines, _number in self._programs:
             if known == name:
                 return lines
         raise Failure("{} has gone", name)
 
-    def packed(self, name):
+    def pack_job(self, name):
         return errors.NO_SUCH_JOB
 
 
@@ -75,13 +75,13 @@ class _Job(RecoverableJobs):
         self.files = files
         self.record = None  # of the board's journal; None: not known since the last change
 
-    def keep(self, *program):
+    def keep_program(self, *program):
         self.record = None
-        self.files.keep(*program)
+        self.files.keep_program(*program)
 
-    def heard(self, line):
+    def take_line(self, line):
         """Take a line of the journal's answer. Lines of the log do not belong to it: the agent asked for them before."""
-        return line[:4] != "[LOG" and RecoverableJobs.heard(self, line)
+        return line[:4] != "[LOG" and RecoverableJobs.take_line(self, line)
 
     def fail(self, error):
         self.ask_again()
@@ -105,7 +105,7 @@ class _Job(RecoverableJobs):
 
     def busy(self):
         """It runs, or the board is asked how it would go on."""
-        return self.running() or self._collects is not None
+        return self.is_running() or self._collects is not None
 
     def _job_number(self, name, lines):
         return self.files.programs()[0][2]
@@ -142,7 +142,7 @@ class Work:
 
     def _renew_nonce(self):
         """Choose another nonce: orders signed for the old one are void."""
-        self._nonce = nonce()
+        self._nonce = make_nonce()
         self._opener = Opener(self._key, SHOP, self._nonce)
 
     # --- the shop
@@ -168,7 +168,7 @@ class Work:
         settings = self._machine.settings
         return [round(float(settings.get(number, 0)), 3) for number in (130, 131)]
 
-    def order(self, text):
+    def take_order(self, text):
         """Take an order of the shop. Ignores one that is not signed for this nonce, or has come before."""
         order = self._opener.open(text)
         if order is None or self._yields or self._order or self.how not in (REST, FREE) or not _is_order(order):
@@ -198,7 +198,7 @@ class Work:
             return _("the board does not answer")
         if "J" not in machine.options:
             return _("the board keeps no journal (key journal of its board file): it takes no jobs of the shop")
-        if machine.still() or machine.state["state"] not in ("Idle", "Alarm"):
+        if machine.busy_error() or machine.state["state"] not in ("Idle", "Alarm"):
             return _("the machine is at work")
         self._tries = 0
         self._released = True
@@ -230,7 +230,7 @@ class Work:
         if self.how != WAITS:
             return _("nothing waits")
         if self._machine.state["state"] == "Idle":
-            self._machine.say(b"M5")
+            self._machine.send_line(b"M5")
         self._end_job(GIVEN_UP, self.text)
         return ""
 
@@ -249,7 +249,7 @@ class Work:
             if self._order:
                 self._parcel.drop()
             self._order = None
-            self._job.keep()
+            self._job.keep_program()
             self._renew_nonce()
             self._change_state(REST)
         elif self.how == GOES:
@@ -263,7 +263,7 @@ class Work:
 
     def poll(self, now_s):
         machine, state = self._machine, self._machine.state
-        if machine.wire.of(0) or machine.said:
+        if machine.wire.count_lines(0) or machine.said:
             self._quiet_s = now_s
         if self.how == FREE and (not state["link"] or state["state"] != "Idle" or now_s - self._since_s > _RELEASED_S):
             self._renew_nonce()
@@ -302,7 +302,7 @@ class Work:
             return
         known = self._job.record.job
         number = int(self._order["id"], 16)
-        self._job.keep(self._order["name"], lines, number)
+        self._job.keep_program(self._order["name"], lines, number)
         if not self._released or known == number:
             strange = self._begun and known != number
             self._change_state(WAITS, _("this job was begun, but this board's journal does not know it: look whether another machine draws it. Go on begins at its first line") if strange else self._held_up)
@@ -312,7 +312,7 @@ class Work:
     def _begin_job(self):
         """From the first line. Returns 0 or an error."""
         name, lines, _number = self._job.files.programs()[0]
-        error = self._machine.run(name, Store.numbered(lines), 1, False, False)
+        error = self._machine.run(name, Store.number_lines(lines), 1, False, False)
         if not error:
             self._change_state(RUN)
         return error
@@ -399,7 +399,7 @@ class Work:
         self._ended = [self._order["id"], how, self.line, text]
         self._order = None
         self._parcel.drop()
-        self._job.keep()
+        self._job.keep_program()
         self._renew_nonce()
         self._change_state(REST)
 

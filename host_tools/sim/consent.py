@@ -18,7 +18,7 @@ from host_tools.language import _
 from passo import errors
 from host_tools.page.guest_sender import ALWAYS, QUESTIONS
 from host_tools.clients.page_key import in_groups, make_key, read_key
-from passo.web.session import same
+from passo.web.session import same_text
 
 _LONGEST = 256  # bytes of a line that is kept
 _MOST = 256  # lines
@@ -51,7 +51,7 @@ class Consent:
     def admits_token(self, text):
         """True if a sender's first line has the token."""
         try:
-            return same(read_key(text), self.token)
+            return same_text(read_key(text), self.token)
         except ValueError:
             return False
 

@@ -42,7 +42,7 @@ class LoopbackRadio:
     def port_of(self, kind):
         return self._sockets[kind].getsockname()[1]
 
-    def own(self, peer):
+    def is_own_peer(self, peer):
         """True if an address is of the network of the board's own."""
         return peer.startswith(_OWN)
 

@@ -97,7 +97,7 @@ class Tab:
 
         machine = GrblMachine(self._send_bytes, self._send_event)
         self._teach = Teach()
-        machine.watcher = self._teach.see
+        machine.watcher = self._teach.add_report
         return machine
 
     def _send_bytes(self, data):
@@ -126,7 +126,7 @@ class Tab:
         """An order of the page; the answer goes to it."""
         order = json.loads(text)
         looks = isinstance(order, dict) and order.get("do") == "look"
-        answer = self._pace.look(order) if looks else self.api.order(order, True)
+        answer = self._pace.look(order) if looks else self.api.answer_order(order, True)
         if isinstance(order, dict) and "id" in order:
             answer["id"] = order["id"]
         self._send_event(answer)
@@ -165,14 +165,14 @@ class Tab:
         if (now - self._pushed_ms) & COUNT_MASK >= PUSH_MS:
             self._pushed_ms = now
             self._beats += 1
-            self.machine.beat(self._beats)
-            state = dict(self.machine.shown())
+            self.machine.note_beat(self._beats)
+            state = dict(self.machine.page_state())
             state["t"] = "state"
             state["beat"] = self._beats
             state["pages"] = 1
             if self._teach:
-                state["teaching"] = self._teach.places()
-            if self._pace.due(urgent_parts(state), now):
+                state["teaching"] = self._teach.count_positions()
+            if self._pace.is_due(urgent_parts(state), now):
                 self._send_event(state)
         if (now - self._shown_ms) & COUNT_MASK >= _SHOW_MS:
             self._shown_ms = now

@@ -1,7 +1,7 @@
 """The jobs of a browser's tab: kept in memory, gone with the tab.
 
     jobs = Jobs({"part.gcode": "G0 X1\n"}, "grbl")
-    jobs.lines("part.gcode")        # [(number, bytes)] as they are sent, or the number of an error
+    jobs.lines_of("part.gcode")        # [(number, bytes)] as they are sent, or the number of an error
 
 The page asks for the same methods of `passo panel`'s folder of jobs.
 """
@@ -36,7 +36,7 @@ class Jobs:
         good = 0 < len(name) <= _MOST_NAME and name[0] in _LETTERS and name[-1] not in ". "
         return 0 if good and not [letter for letter in name if letter not in _LETTERS + " ._-"] else errors.JOB_NAME
 
-    def lines(self, name):
+    def lines_of(self, name):
         """[(number, bytes)], or the number of an error."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB
@@ -49,17 +49,17 @@ class Jobs:
         except WrongLetter as wrong:
             return {"error": errors.JOB_LINE, "line": wrong.number, "text": ""}
 
-    def about(self, name, settings):
+    def facts_of(self, name, settings):
         """{} for any job: a tab does not analyse jobs. An error number if there is no such job."""
         return {} if name in self._jobs else errors.NO_SUCH_JOB
 
-    def text(self, name, at):
+    def text_piece(self, name, at):
         """(text from character `at` on, at most 32 kB, and how many there are), or the number of an error."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB
         return self._jobs[name][at : at + _PIECE], len(self._jobs[name])
 
-    def add(self, name, at, piece, last):
+    def add_piece(self, name, at, piece, last):
         """A piece that begins at character `at`; 0 or the number of an error."""
         if at == 0:
             self._coming = (name, "")
@@ -69,9 +69,9 @@ class Jobs:
         if len(text) > _MOST_BYTES:
             return errors.JOB_SIZE
         self._coming = (name, text)
-        return self.put(name, text) if last else 0
+        return self.put_job(name, text) if last else 0
 
-    def put(self, name, text):
+    def put_job(self, name, text):
         """Store a job; returns 0 or the number of an error (its name, its size, its text)."""
         error = self.name_error(name)
         if error:
@@ -83,7 +83,7 @@ class Jobs:
             self._jobs[name] = text
         return error
 
-    def remove(self, name):
+    def remove_job(self, name):
         """Delete a job; returns 0, or NO_SUCH_JOB."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB

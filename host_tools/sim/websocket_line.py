@@ -22,7 +22,7 @@ _PIECE = 1000  # bytes of a message
 class _Nothing:
     """The files of a server that has none."""
 
-    def find(self, path):
+    def find_file(self, path):
         return None
 
 
@@ -74,10 +74,10 @@ class WebSocketLine:
         self.clients += 1
         return b""
 
-    def heard(self, connection, data, now_ms):
+    def take_message(self, connection, data, now_ms):
         self._come += data
         return connection is self._connection
 
-    def gone(self, connection):
+    def forget_connection(self, connection):
         if connection is self._connection:
             self._connection = None

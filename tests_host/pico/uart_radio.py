@@ -115,7 +115,7 @@ class Radio:
     def __init__(self, config):
         self._mux = Mux()
 
-    def own(self, peer):
+    def is_own_peer(self, peer):
         return False
 
     def listen(self, kind):

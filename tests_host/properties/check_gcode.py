@@ -241,11 +241,11 @@ def check_every_error():
     for before, line, number in ERRORS:
         shop = Shop()
         shop.do(*before)
-        state = shop.state()
+        state = shop.page_state()
         error = shop.gcode.interpret(line)
         assert error == number, (line, error, number)
         assert shop.gcode.commands == []
-        assert shop.state() == state, line
+        assert shop.page_state() == state, line
 
 
 # (lines before, the cycle, all of its motions: steps of X and Z, feed or rapid; P: a dwell in ms)
@@ -354,8 +354,8 @@ def check_z_of_a_machine_of_two_axes():
     shop.do(b"G92 X0 Z0", b"G91 G2 X1 Y1 Z0 I1", b"G28 X0 Z0", b"G90")
     assert shop.at() == (1000, stands[1] + 250)
     for line in (b"Z1", b"G0 X1 Z-0.001", b"G91 Z0.1", b"G92 Z5", b"G10 L2 P1 Z2", b"G81 X1 Z0 R0", b"G38.2 Z0", b"G2 Z0 I1", b"G43.1 Z0"):
-        state = shop.state()
-        assert shop.gcode.interpret(line) != 0 and shop.state() == state, line
+        state = shop.page_state()
+        assert shop.gcode.interpret(line) != 0 and shop.page_state() == state, line
 
 
 def check_a_refused_line_keeps_the_length():
@@ -371,9 +371,9 @@ def check_a_refused_line_keeps_the_length():
 def check_every_jog_error():
     for line, number in JOG_ERRORS:
         shop = Shop()
-        state = shop.state()
+        state = shop.page_state()
         assert shop.gcode.interpret(line, True) == number, line
-        assert shop.gcode.commands == [] and shop.state() == state
+        assert shop.gcode.commands == [] and shop.page_state() == state
 
 
 # (lines, steps of X, Y, Z at the end): 250 steps/mm, on Z 400
@@ -652,10 +652,10 @@ def check_noise(line):
 
 
 def obey(shop, line):
-    state = shop.state()
+    state = shop.page_state()
     error = shop.gcode.interpret(line)
     if error:
-        assert shop.gcode.commands == [] and shop.state() == state
+        assert shop.gcode.commands == [] and shop.page_state() == state
         assert error_texts.text(error) != "error %d" % error
     for command in made_of(shop.gcode):
         if command.target:

@@ -30,9 +30,9 @@ NOT_QUICK = ("check_a_target_beyond_the_travel", "check_directions_of_every_size
 
 
 def check_hmac_is_that_of_rfc_4231():
-    assert Hmac(b"\x0b" * 20).hex(b"Hi There") == "b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7"
-    assert Hmac(b"Jefe").hex(b"what do ya want for nothing?") == "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
-    assert Hmac(b"\xaa" * 131).hex(b"Test Using Larger Than Block-Size Key - Hash Key First") == "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"
+    assert Hmac(b"\x0b" * 20).hex_digest(b"Hi There") == "b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7"
+    assert Hmac(b"Jefe").hex_digest(b"what do ya want for nothing?") == "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
+    assert Hmac(b"\xaa" * 131).hex_digest(b"Test Using Larger Than Block-Size Key - Hash Key First") == "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"
 
 
 def check_a_session():
@@ -101,16 +101,16 @@ def check_what_was_held_up_counts_for_nothing():
 def check_a_page_is_told_as_often_as_it_asks():
     state = {"state": "Idle", "link": True, "alarm": 0, "owner": "page", "job": None, "m": [0.0]}
     pace = Pace()
-    assert [pace.due(state, now) for now in range(0, 500, 50)] == [True] * 10
+    assert [pace.is_due(state, now) for now in range(0, 500, 50)] == [True] * 10
     for every, wanted in ((500, 4), (100, 20), (1000, 2), (0, 1)):
         assert pace.look({"do": "look", "every": every})["error"] == 0
-        assert sum([pace.due(state, now & 0x1FFFFFFF) for now in range(0x1FFFFF00, 0x1FFFFF00 + 2000, 50)]) == wanted, every
+        assert sum([pace.is_due(state, now & 0x1FFFFFFF) for now in range(0x1FFFFF00, 0x1FFFFF00 + 2000, 50)]) == wanted, every
     changed = dict(state)
     changed["alarm"] = 211
-    assert pace.due(changed, 0) and not pace.due(changed, 50) and pace.due(state, 100), "a changed state must be due at once"
+    assert pace.is_due(changed, 0) and not pace.is_due(changed, 50) and pace.is_due(state, 100), "a changed state must be due at once"
     for wrong in (-1, 0.5, True, None, "50", 10_001):
         assert pace.look({"do": "look", "every": wrong})["error"] == errors.ORDER_FIELD, wrong
-    assert not pace.due(state, 150), "a wrong one changes nothing"
+    assert not pace.is_due(state, 150), "a wrong one changes nothing"
 
 
 def stopped_after(desk, since):
@@ -231,7 +231,7 @@ def check_a_target_beyond_the_travel():
         assert desk.order("jog", lease=1, beat=desk.beats, way={"x": 1}, speed=SPEED) == errors.LOCKED
         assert desk.order("step", by={"x": 1}, speed=SPEED) == desk.order("goto", to={"x": 1}, speed=SPEED) == errors.LOCKED
         if not seen:
-            desk.machine.alarmed(0)
+            desk.machine.raise_alarm(0)
         assert desk.order(order) == 0
         desk.settle()
         desk.run_ms(200)
@@ -276,7 +276,7 @@ PRESENCE = {
 def check_who_is_far_away_wants_somebody_at_the_machine():
     desk = Desk(**PRESENCE)
     switches = desk.board.world.switches
-    desk.store.put("a", "G21G91\nG1X4F3000\n")
+    desk.store.put_job("a", "G21G91\nG1X4F3000\n")
     starts = (
         {"do": "output", "name": "spindle_cw", "rpm": 1000}, {"do": "output", "name": "spindle_ccw"}, {"do": "run", "name": "a"}, {"do": "resume"},
         {"do": "line", "line": "G1 X1 F100 m 03 S1000"}, {"do": "line", "line": "M4"}, {"do": "line", "line": "M(off)3"},
@@ -287,17 +287,17 @@ def check_who_is_far_away_wants_somebody_at_the_machine():
     desk.run_ms(100)
     before = desk.place()
     for order in starts:
-        assert desk.api.order(order, True, True)["error"] == errors.PRESENCE, order
-        assert desk.api.order(order, False, True)["error"] == errors.NO_SESSION, order
+        assert desk.api.answer_order(order, True, True)["error"] == errors.PRESENCE, order
+        assert desk.api.answer_order(order, False, True)["error"] == errors.NO_SESSION, order
     for order in ({"do": "line", "line": "M9"}, {"do": "line", "line": "G4P0"}, {"do": "output", "name": "spindle_off"}, {"do": "hold"}):
-        assert desk.api.order(order, True, True)["error"] != errors.PRESENCE, order
+        assert desk.api.answer_order(order, True, True)["error"] != errors.PRESENCE, order
         desk.run_ms(100)
     desk.settle()
     assert desk.place() == before and desk.board.world.tool == 0
     desk.order("resume")
     switches["hand"] = 1
     desk.run_ms(100)
-    assert desk.api.order(starts[2], True, True)["error"] == 0
+    assert desk.api.answer_order(starts[2], True, True)["error"] == 0
     desk.settle()
     assert desk.place()[0] == before[0] + 4 * MM
     switches["hand"] = 0
@@ -321,7 +321,7 @@ def check_wrong_fields_move_nothing():
     for line in ("G0X1\nG0X2", "\x18", "G0X1\x85", "X" * 200, 5, None, "é"):
         assert desk.order("line", line=line) == errors.ORDER_FIELD
     for order in (None, [], "stop", 7, {"do": []}, {"do": "eval"}, {"do": "__class__"}):
-        assert desk.api.order(order, True)["error"] == errors.UNKNOWN_COMMAND
+        assert desk.api.answer_order(order, True)["error"] == errors.UNKNOWN_COMMAND
     desk.run_ms(100)
     assert desk.place() == before
 
@@ -360,7 +360,7 @@ def check_steps_and_places():
 def check_a_job_runs_pauses_and_repeats():
     desk = Desk()
     start = desk.place()
-    desk.store.put("a", "G21G91\nG1X4F3000\nY4\nX-4\nY-4\n")
+    desk.store.put_job("a", "G21G91\nG1X4F3000\nY4\nX-4\nY-4\n")
     assert desk.order("run", name="a", passes=2) == 0
     desk.run_ms(150)
     assert desk.order("hold") == 0
@@ -378,7 +378,7 @@ def check_a_job_runs_pauses_and_repeats():
 def check_a_job_line_by_line():
     desk = Desk()
     start = desk.place()
-    desk.store.put("a", "G21G91\nG1X1F3000\nY1\nX-1\nY-1\n")
+    desk.store.put_job("a", "G21G91\nG1X1F3000\nY1\nX-1\nY-1\n")
     assert desk.order("play", what="step") == errors.NO_SUCH_JOB
     assert desk.order("run", name="a", single=True) == 0
     desk.run_ms(300)
@@ -387,7 +387,7 @@ def check_a_job_line_by_line():
         assert desk.order("play", what="step") == 0
         desk.run_ms(500)
         assert desk.place() == [start[0] + x * MM, start[1] + y * MM, start[2]]
-    assert desk.machine.shown()["job"]["single"] and desk.machine.state["job"]["line"] == 3
+    assert desk.machine.page_state()["job"]["single"] and desk.machine.state["job"]["line"] == 3
     assert desk.order("play", what="back") == errors.UNKNOWN_COMMAND
     assert desk.order("play", what="run") == 0
     desk.settle()
@@ -396,7 +396,7 @@ def check_a_job_line_by_line():
 
 def check_a_refused_line_ends_the_job():
     desk = Desk()
-    desk.store.put("a", "G21G91\nG1X4F3000\nG1X4Q\nX40\n")
+    desk.store.put_job("a", "G21G91\nG1X4F3000\nG1X4Q\nX40\n")
     assert desk.order("run", name="a") == 0
     desk.settle()
     job = desk.machine.state["job"]
@@ -407,8 +407,8 @@ def check_a_refused_line_ends_the_job():
 def check_a_job_is_only_checked():
     desk = Desk()
     before = desk.place()
-    desk.store.put("a", "G21G91\nG1X4F3000\nY4\n")
-    desk.store.put("b", "G21G91\nG1X4F3000\nG5.7\n")
+    desk.store.put_job("a", "G21G91\nG1X4F3000\nY4\n")
+    desk.store.put_job("b", "G21G91\nG1X4F3000\nG5.7\n")
     for name, how in (("a", "done"), ("b", "failed")):
         assert desk.order("run", name=name, check=True) == 0
         desk.settle()
@@ -426,7 +426,7 @@ def check_the_line_beyond_the_travel():
         desk.settle()
         desk.run_ms(500)
         near = ["X%d" % mm for mm in range(1, 101)]  # more than are looked ahead: it moves as the alarm comes, and is held on its way to the stand
-        desk.store.put("far", "G21G90\nG1X0F3000\n" + "\n".join(near) + "\nX900\nX6\n")
+        desk.store.put_job("far", "G21G90\nG1X0F3000\n" + "\n".join(near) + "\nX900\nX6\n")
         assert desk.order("run", name="far", check=check) == 0
         desk.settle()
         desk.run_ms(1000)
@@ -444,7 +444,7 @@ def check_the_line_beyond_the_travel():
 def check_why_it_is_held():
     """The state shows a pause and a change of tool until the machine goes on."""
     desk = Desk()
-    desk.store.put("a", "G21G91\nG1X1F3000\nM0\nG1X1\nM6T2\nX1\n")
+    desk.store.put_job("a", "G21G91\nG1X1F3000\nM0\nG1X1\nM6T2\nX1\n")
     assert desk.order("run", name="a") == 0
     for why in ("pause", "T2"):
         desk.run_ms(1500)
@@ -551,7 +551,7 @@ def check_the_jobs_of_the_board():
 
     before = desk.place()
     assert listed() == []
-    desk.store.put("part.nc", "G21G91\nG1X4F3000\nY4\nX-4\nY-4\n" + "(more)" * 60 + "\n")
+    desk.store.put_job("part.nc", "G21G91\nG1X4F3000\nY4\nX-4\nY-4\n" + "(more)" * 60 + "\n")
     assert desk.order("stored", what="store", name="PART.NC", job="part.nc") == 0
     assert desk.order("step", by={"x": 1}, speed=100) == errors.BUSY, "not while it is stored"
     ended("kept")
@@ -574,7 +574,7 @@ def check_the_jobs_of_the_board():
     assert desk.order("abort") == 0
     ended("failed", errors.STOPPED)
     assert desk.machine.state["state"] == "Idle", "it came to a stand on its path"
-    desk.store.put("part.nc", "G1X1F100\nG5.7\n")
+    desk.store.put_job("part.nc", "G1X1F100\nG5.7\n")
     assert desk.order("stored", what="store", name="PART.NC", job="part.nc") == 0
     ended("kept")
     assert desk.order("stored", what="run", name="PART.NC") == 0
@@ -603,7 +603,7 @@ def check_a_wait_is_counted_down():
     desk = Desk()
     seen = []
     desk.machine.watcher = lambda state: seen.append((desk.now_ms(), state["wait"]))
-    desk.store.put("a", "G21G91\nG1X1F3000\nG4 P0.8\nX-1\n")
+    desk.store.put_job("a", "G21G91\nG1X1F3000\nG4 P0.8\nX-1\n")
     assert desk.order("run", name="a") == 0
     desk.settle()
     waits = [(at, left) for at, left in seen if left]
@@ -630,11 +630,11 @@ def check_no_axis_is_driven_beyond_its_own():
 def check_answers_find_their_way():
     sent, heard, answered = [], [], []
     wire = Wire(sent.append, lambda line, owner: heard.append((line, owner)))
-    assert wire.say(PAGE, b"A", answered.append) and wire.say(1, b"B")
+    assert wire.send_line(PAGE, b"A", answered.append) and wire.send_line(1, b"B")
     wire.feed(b"[x]\r\no", 0)
     wire.feed(b"k\r\nerror:9\r\nok\r\n", 0)
     assert answered == [0] and heard == [("[x]", PAGE), ("error:9", 1)]
-    assert not wire.say(PAGE, b"x" * 100) or not wire.say(PAGE, b"x" * 100)
+    assert not wire.send_line(PAGE, b"x" * 100) or not wire.send_line(PAGE, b"x" * 100)
 
 
 def check_what_is_asked_by_a_typed_line_is_shown():
@@ -666,7 +666,7 @@ def check_a_typed_line_that_is_refused_is_explained():
 def check_one_answer_too_many_ends_the_job():
     """Another program sends lines by the same port: the page's lines are not answered one by one any more."""
     desk = Desk()
-    desk.store.put("a", "G21G91\nG1F3000\n" + "X1\n" * 60)
+    desk.store.put_job("a", "G21G91\nG1F3000\n" + "X1\n" * 60)
     assert desk.order("run", name="a") == 0
     desk.run_ms(200)
     before = desk.place()[0]

@@ -10,7 +10,7 @@ from host_tools.page.keys_machine import KeysMachine
 def kit():
     def made(write, tell, board):
         machine = KeysMachine(write, tell, board)
-        machine.attached(True)
+        machine.note_port(True)
         return machine
 
     desk = LanguageDesk(BOARD, made)
@@ -43,7 +43,7 @@ def check_keys_are_what_the_motors_do():
     assert turned(desk, 200)[0] == 0 and [motor["on"] for motor in desk.machine.state["motors"]] == [False, True]
     assert desk.order("motor", motor=0, what="on") == 0
     desk.run_ms(200)
-    assert desk.api.order({"do": "stop"}, False)["error"] == 0
+    assert desk.api.answer_order({"do": "stop"}, False)["error"] == 0
     desk.run_ms(200)
     assert turned(desk, 300) == [0, 0] and desk.machine.state["state"] == "Idle"
     for fields in ({"motor": 3, "what": "on"}, {"motor": 1, "what": "away"}, {"motor": 0, "what": "reverse"}, {"motor": 1, "what": "speed", "speed": 128}):
@@ -68,5 +68,5 @@ def check_a_motor_held_by_a_button_stops():
     took = (desk.trail.rows[-1][0] - at) / TICKS_PER_MS
     assert 150 < took <= 250, took
     assert desk.order("keep", lease=4, beat=desk.beats) == errors.LEASE
-    desk.machine.attached(False)
+    desk.machine.note_port(False)
     assert desk.order("motor", motor=1, what="on") == errors.NO_ANSWER

@@ -18,7 +18,7 @@ def homed():
     desk = LanguageDesk(BOARD, PlotterMachine, Shelf())
     assert desk.order("home") == 0
     desk.run_ms(100)
-    desk.until(lambda state: state["state"] == "Idle" and not desk.machine.still())
+    desk.until(lambda state: state["state"] == "Idle" and not desk.machine.busy_error())
     assert desk.place() == [0, 0]
     return desk
 
@@ -37,7 +37,7 @@ def drawn(desk):
 
 def check_the_square_of_2014():
     desk = homed()
-    desk.store.put("square.txt", SQUARE)
+    desk.store.put_job("square.txt", SQUARE)
     assert desk.order("run", name="square.txt", check=True) == 0
     assert ended(desk)["how"] == "done" and desk.place() == [0, 0]
     assert desk.order("run", name="square.txt", passes=2) == 0
@@ -85,17 +85,17 @@ def check_places_and_jogs():
 
 def check_refusals_and_stop():
     desk = homed()
-    desk.store.put("far.txt", "MOVE 10 10\nLINE 5000 10\nEND\n")
+    desk.store.put_job("far.txt", "MOVE 10 10\nLINE 5000 10\nEND\n")
     assert desk.order("run", name="far.txt") == 0
     job = ended(desk)
     assert job["how"] == "failed" and job["error"] == errors.TRAVEL and job["done"] <= 2, job
-    desk.store.put("odd.txt", "MOVE 10 10\nCIRCLE 5\n")
+    desk.store.put_job("odd.txt", "MOVE 10 10\nCIRCLE 5\n")
     assert desk.order("run", name="odd.txt") == errors.UNKNOWN_COMMAND
     assert desk.machine.state["job"]["line"] == 2
-    desk.store.put("square.txt", SQUARE)
+    desk.store.put_job("square.txt", SQUARE)
     assert desk.order("run", name="square.txt") == 0
     desk.until(lambda state: state["state"] == "Run" and state["drawn"])
-    assert desk.api.order({"do": "stop"}, False)["error"] == 0
+    assert desk.api.answer_order({"do": "stop"}, False)["error"] == 0
     desk.settle()
     stood = desk.place()
     assert desk.machine.state["job"]["error"] == errors.STOPPED and not desk.trail.rows[-1][2]
@@ -113,7 +113,7 @@ def check_refusals_and_stop():
 def check_point_by_point_and_back():
     """The same lines as in one go, a point at each press; back with the pen up, and forward again; from the end of a job, too."""
     desk = homed()
-    desk.store.put("square.txt", SQUARE)
+    desk.store.put_job("square.txt", SQUARE)
 
     def play(what):
         error = desk.order("play", what=what)
@@ -160,10 +160,10 @@ def check_point_by_point_and_back():
 def check_a_step_stops_a_drawing_that_runs():
     """The board draws the points sent; the rest waits. The pen's state follows from the points drawn."""
     desk = homed()
-    desk.store.put("square.txt", SQUARE.replace("SPEED 1000", "SPEED 3000"))
+    desk.store.put_job("square.txt", SQUARE.replace("SPEED 1000", "SPEED 3000"))
     assert desk.order("run", name="square.txt", passes=2) == 0
     pens = []
-    while not desk.machine.shown()["job"]["done"] >= 4:
+    while not desk.machine.page_state()["job"]["done"] >= 4:
         desk.cycle()
         tool = bool(desk.trail.rows and desk.trail.rows[-1][2])
         pens.append((tool, desk.machine.state["pen"]))
@@ -196,7 +196,7 @@ def check_a_line_that_loses_bytes(seed):
 
     desk.machine.wire.write = lambda data: put(torn(data))
     desk.machine.feed = lambda data, now: feed(torn(data), now)
-    desk.store.put("square.txt", SQUARE)
+    desk.store.put_job("square.txt", SQUARE)
     assert desk.order("run", name="square.txt") == 0
     desk.until(lambda state: state["job"]["how"] != "run", 300_000)
     assert desk.machine.state["job"]["how"] == "done", desk.machine.state

@@ -14,7 +14,7 @@ RUNS = {"check_teach_in_makes_the_same_steps": 3}
 
 def loaded(text=FILE, **config):
     desk = PulsesDesk(**config)
-    desk.store.put("a.txt", text)
+    desk.store.put_job("a.txt", text)
     return desk
 
 
@@ -91,7 +91,7 @@ def check_what_is_wrong_is_named():
         assert (job["how"], job["error"], job["row"], job["column"]) == ("failed", errors.NUMBER_MISSING, 2, 2), job
         desk.settle()
     assert desk.place() == [0, 0, 0]
-    desk.store.put("a.txt", "AA" * 300 + "?" + "A" * 300)
+    desk.store.put_job("a.txt", "AA" * 300 + "?" + "A" * 300)
     assert desk.order("run", name="a.txt") == 0
     job = desk.job()
     assert (job["error"], job["row"], job["column"]) == (errors.NO_CODE, 1, 601), job
@@ -110,7 +110,7 @@ def check_a_file_that_the_board_cannot_keep_is_streamed():
     assert desk.order("run", name="a.txt", passes=2) == 0
     job = desk.job()
     assert job["how"] == "done" and desk.place() == [18, 0, 0], job
-    desk.store.put("a.txt", text + "?")
+    desk.store.put_job("a.txt", text + "?")
     desk.settle()
     assert desk.order("run", name="a.txt", check=True) == 0
     assert desk.job()["error"] == errors.NO_CODE
@@ -176,15 +176,15 @@ def check_stop_and_switches():
     assert desk.order("pace", speed=2000) == 0
     desk.run_ms(200)
     assert desk.machine.state["feed"] > 1990
-    assert desk.api.order({"do": "stop"}, False)["error"] == 0
+    assert desk.api.answer_order({"do": "stop"}, False)["error"] == 0
     assert desk.job()["error"] == errors.STOPPED
     stood = desk.place()
     desk.run_ms(300)
     assert desk.place() == stood and 20 < stood[0] < 3000
     for fields in ({"do": "pace", "speed": 0}, {"do": "pace"}, {"do": "play", "what": "away"}, {"do": "output", "name": "tool_maybe"}):
-        assert desk.api.order(fields, True)["error"], fields
-    assert desk.api.order({"do": "zero", "axes": "x"}, True)["error"] == errors.UNKNOWN_COMMAND
-    assert desk.api.order({"do": "pace", "speed": 100}, False)["error"] == errors.NO_SESSION
+        assert desk.api.answer_order(fields, True)["error"], fields
+    assert desk.api.answer_order({"do": "zero", "axes": "x"}, True)["error"] == errors.UNKNOWN_COMMAND
+    assert desk.api.answer_order({"do": "pace", "speed": 100}, False)["error"] == errors.NO_SESSION
 
 
 def check_teach_in_makes_the_same_steps(seed):

@@ -16,7 +16,7 @@ _READ_MS = 20_000  # the longest that all of them may take, at 9600 baud
 
 def kit(write, tell, board):
     machine = KeysMachine(write, tell, board)
-    machine.attached(True)
+    machine.note_port(True)
     return machine
 
 
@@ -26,7 +26,7 @@ MACHINES = ((TORCH, TorchMachine), (PLOTTER, PlotterMachine), (LPT, PulsesMachin
 def read(desk):
     """Ask for the settings, and return those that the page gets."""
     desk.told.clear()
-    answer = desk.api.order({"do": "settings"}, True)
+    answer = desk.api.answer_order({"do": "settings"}, True)
     assert answer["t"] == "settings", answer
     return told(desk)
 
@@ -84,9 +84,9 @@ def check_moves_count_in_the_steps_of_the_board():
 def check_a_stop_overtakes_the_questions():
     for board, machine_of in MACHINES:
         desk = LanguageDesk(board, machine_of)
-        desk.api.order({"do": "settings"}, True)
+        desk.api.answer_order({"do": "settings"}, True)
         desk.run_ms(60)
-        assert desk.api.order({"do": "stop"}, False)["error"] == 0
+        assert desk.api.answer_order({"do": "stop"}, False)["error"] == 0
         desk.run_ms(300)
         assert desk.machine.state["state"] in ("Idle", "Alarm"), (board["name"], desk.machine.state)
         read(desk)
@@ -95,7 +95,7 @@ def check_a_stop_overtakes_the_questions():
 def check_they_are_read_again_behind_a_silence():
     desk = LanguageDesk(TORCH, TorchMachine)
     read(desk)
-    desk.machine.silent()
+    desk.machine.note_silence()
     desk.told.clear()
     desk.run_ms(100)
     assert told(desk)

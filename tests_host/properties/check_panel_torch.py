@@ -35,9 +35,9 @@ def check_nothing_starts_from_another_computer():
     """A board that wants somebody at the machine: this language cannot tell who is there."""
     desk = connected(network={"presence": "button"}, inputs=[{"name": "button", "pin": 16, "active": 0, "pull": "up"}])
     for order in ({"do": "weave"}, {"do": "play", "what": "run"}, {"do": "run", "name": "a"}):
-        assert desk.api.order(order, True, True)["error"] in (errors.PRESENCE, errors.UNKNOWN_COMMAND), order
-    assert desk.api.order({"do": "weave"}, True, True)["error"] == errors.PRESENCE
-    assert desk.api.order({"do": "output", "name": "motors_on"}, True, True)["error"] == 0
+        assert desk.api.answer_order(order, True, True)["error"] in (errors.PRESENCE, errors.UNKNOWN_COMMAND), order
+    assert desk.api.answer_order({"do": "weave"}, True, True)["error"] == errors.PRESENCE
+    assert desk.api.answer_order({"do": "output", "name": "motors_on"}, True, True)["error"] == 0
 
 
 def check_straight_and_on_their_own():
@@ -88,9 +88,9 @@ def check_stop_origin_and_preferences():
     desk.run_ms(500)
     assert desk.machine.state["state"] in ("Run", "Jog") and abs(desk.machine.state["feed"] - 600) < 120
     assert desk.order("step", by={"x": 1}, speed=600) == errors.BUSY
-    assert desk.api.order({"do": "stop"}, False)["error"] == 0
+    assert desk.api.answer_order({"do": "stop"}, False)["error"] == 0
     desk.settle()
-    assert desk.machine.shown()["lease"] == 1  # as other pages see that somebody has stopped
+    assert desk.machine.page_state()["lease"] == 1  # as other pages see that somebody has stopped
     stood = desk.place()
     assert 100 < stood[0] < 1000
     desk.run_ms(300)
@@ -100,7 +100,7 @@ def check_stop_origin_and_preferences():
     assert desk.machine.state["m"] == [0, 0] and desk.place() == stood
     assert desk.order("configure", jogx=2, jogy=3, xv=300, yv=600) == 0
     desk.settle()
-    told = desk.api.order({"do": "preferences"}, True)
+    told = desk.api.answer_order({"do": "preferences"}, True)
     assert told["jog"] == [2, 3] and told["speed"] == [300, 600] and told["scale"] == [48, 83], told
     desk.hold_jog(2, 60, way={"y": 1})  # STOP has used up a number
     desk.order("release")
@@ -108,7 +108,7 @@ def check_stop_origin_and_preferences():
     assert desk.place()[1] > stood[1]
     for fields in ({"jogx": 0, "jogy": 1, "xv": 1, "yv": 1}, {"jogx": 1}, {"jogx": 1, "jogy": 1, "xv": 1, "yv": True}):
         assert desk.order("configure", **fields) == errors.ORDER_FIELD
-    desk.store.put("a", "MOVE")
+    desk.store.put_job("a", "MOVE")
     assert desk.order("run", name="a") == errors.UNKNOWN_COMMAND
     assert desk.order("home") == errors.UNKNOWN_COMMAND == desk.order("hold")
 
@@ -123,4 +123,4 @@ def check_a_seam():
     assert abs(max(sides) - 166) <= 1 and abs(min(sides) + 166) <= 1
     seam["shape"] = "circle"
     assert desk.order("weave", **seam) == errors.ORDER_FIELD
-    assert desk.api.order({"do": "weave"}, False)["error"] == errors.NO_SESSION
+    assert desk.api.answer_order({"do": "weave"}, False)["error"] == errors.NO_SESSION

@@ -16,7 +16,7 @@ class Sender:
 
     def __init__(self):
         self.pages = Pages(KEY, 4)
-        self.page = self.pages.enter(None, {}, 0)
+        self.page = self.pages.add_page(None, {}, 0)
         self.session = Session(KEY, self.page.session.nonce)
         self.count = 0  # of the newest order sent
         self.under_way = []
@@ -35,7 +35,7 @@ class Sender:
         return text is not None
 
     def stop(self, count, nonce=None):
-        self.pages.overtake(b"%s.%d" % ((nonce or self.page.session.nonce).encode(), count))
+        self.pages.refuse_older(b"%s.%d" % ((nonce or self.page.session.nonce).encode(), count))
 
 
 def check_orders_and_stops_in_any_order(seed):
@@ -94,6 +94,6 @@ def check_a_stop_that_is_none():
     sender = Sender()
     nonce = sender.page.session.nonce.encode()
     for wrong in (b"", b".", nonce, nonce + b".", nonce + b".-1", nonce + b".1.2", nonce + b".\xff", nonce + b". 1", nonce + b"." + b"9" * 400, b"\xff" * 99):
-        sender.pages.overtake(wrong)
+        sender.pages.refuse_older(wrong)
     sender.send()
     assert sender.arrive() and sender.page.before == 0

@@ -42,7 +42,7 @@ class Here:
     def __init__(self):
         self.address = {}
 
-    def own(self, peer):
+    def is_own_peer(self, peer):
         return True
 
     def listen(self, kind):

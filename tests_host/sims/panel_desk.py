@@ -27,15 +27,15 @@ class Shelf:
     def name_error(self, name):
         return 0
 
-    def lines(self, name):
+    def lines_of(self, name):
         lines = [line for line in self.jobs[name].encode().split(b"\n")]
         return [(number + 1, lines[number]) for number in range(len(lines)) if lines[number]]
 
-    def packed(self, name):
+    def pack_job(self, name):
         data = self.jobs[name].encode()
         return len(data), crc32(data) & 0xFFFFFFFF, stored_form(data)
 
-    def put(self, name, text):
+    def put_job(self, name, text):
         self.jobs[name] = text
         return 0
 
@@ -48,9 +48,9 @@ class Desk(SteppedDesk):
         SteppedDesk.__init__(self, board.app, board.port, board.line)
         self.machine = GrblMachine(self.put, self.told.append, guest)
         self.teach = Teach(recognise and (lambda points, ways: recognise(points, ways, self.scales())))
-        self.machine.watcher = self.teach.see
+        self.machine.watcher = self.teach.add_report
         self.store = Shelf()
-        self.machine.job = StoredJobs(self.machine, self.told.append, self.store.packed)
+        self.machine.job = StoredJobs(self.machine, self.told.append, self.store.pack_job)
         self.api = PanelOrders(self.machine, self.store, self.teach)
         self.run_ms(300)
         assert self.order("unlock") == 0
@@ -68,7 +68,7 @@ class Desk(SteppedDesk):
     def settle(self):
         """Until the last report says that nothing moves."""
         self.run_ms(100)
-        while self.machine.state["state"] in ("Run", "Jog", "Home") or self.machine.job.running():
+        while self.machine.state["state"] in ("Run", "Jog", "Home") or self.machine.job.is_running():
             self.cycle()
         self.run_ms(100)
 

@@ -15,7 +15,7 @@ from stepped_desk import SteppedDesk
 class Bytes(Shelf):
     """Jobs in memory, whole."""
 
-    def lines(self, name):
+    def lines_of(self, name):
         return self.jobs[name].encode()
 
 

@@ -128,7 +128,7 @@ class OnCable(Desk):
         machine = getattr(__import__("host_tools.page." + self.language + "_machine", None, None, (kind,)), kind)
         self.machine = machine(self._put, self._tell) if self.language == "grbl" else machine(self._put, self._tell, self.board)
         self.pages = PanelPages(PanelOrders(self.machine, None), KEY, 8)
-        self.machine.attached(True)
+        self.machine.note_port(True)
         self.run_ms(300)
 
     def _put(self, data):
@@ -155,14 +155,14 @@ class OnCable(Desk):
         for browser in self.browsers:
             page = browser.served
             told, page.told = page.told, []
-            if page.pace.due(self.pages.version, now):
+            if page.pace.is_due(self.pages.version, now):
                 browser._hear(text)
             for event in told:
                 browser._hear(json.dumps(event))
 
     def stop(self):
         """Stop as the server does for a POST to /stop."""
-        return self.pages.api.order({"do": "stop"}, False)["error"]
+        return self.pages.api.answer_order({"do": "stop"}, False)["error"]
 
     def page(self, key=KEY):
         return Tab(self, key)
@@ -178,13 +178,13 @@ class Tab(Browser):
         self.state = {}
         self.pushes = []
         self.count = self.asked = 0
-        self.served = desk.pages.enter(self, desk.pages.about({}), 0)
+        self.served = desk.pages.add_page(self, desk.pages.first_fields({}), 0)
         self.hello = json.loads(json.dumps(self.served.hello))
         self.session = Session(key, self.hello["nonce"])
         desk.browsers.append(self)
 
     def say(self, text):
-        answer = self._board.pages.hear(self.served, text, int(self._board.now_ms()) & COUNT_MASK)
+        answer = self._board.pages.answer_message(self.served, text, int(self._board.now_ms()) & COUNT_MASK)
         if answer is None:
             self.close()
         else:
@@ -193,4 +193,4 @@ class Tab(Browser):
     def close(self):
         self.alive = False
         self._board.browsers.remove(self)
-        self._board.pages.leave(self.served)
+        self._board.pages.remove_page(self.served)

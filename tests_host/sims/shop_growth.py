@@ -32,9 +32,9 @@ class Machine:
 
     def _renew(self):
         from host_tools.shop.signed import SHOP, Opener
-        from passo.web.guard import nonce
+        from passo.web.guard import make_nonce
 
-        self.nonce = nonce()
+        self.nonce = make_nonce()
         self.opener = Opener(self.key, SHOP, self.nonce)
         self.since = time.monotonic()
 
@@ -60,7 +60,7 @@ class Machine:
             self.count += 1
             self.said = self.shop, body
             self.text = sign_message(self.key, MACHINE, f"{self.shop} {self.name}", self.count, body)
-        self.link.tell({"state": "run" if self.how == "run" else "idle", **({"work": self.text} if self.said else {})})
+        self.link.publish_topics({"state": "run" if self.how == "run" else "idle", **({"work": self.text} if self.said else {})})
 
 
 def agents(port, key, first, count):
@@ -101,11 +101,11 @@ def measure(folder, count, each):
             time.sleep(0.2)
         own, theirs, begun = time.process_time(), usage(broker)[1], time.monotonic()
         for number in range(count * each):
-            book.add(program(number % 1024), f"{number}", {"kind": "k"})
+            book.add_jobs(program(number % 1024), f"{number}", {"kind": "k"})
         added = time.process_time() - own
         dispatcher.look()
-        while book.counts().get("done", 0) < count * each:
-            assert time.monotonic() < limit + 600, book.counts()
+        while book.count_states().get("done", 0) < count * each:
+            assert time.monotonic() < limit + 600, book.count_states()
             time.sleep(0.2)
         took = time.monotonic() - begun
         own, theirs = time.process_time() - own - added, usage(broker)[1] - theirs

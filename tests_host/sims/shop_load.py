@@ -320,7 +320,7 @@ class Load:
         self.jobs = {}
         for number in range(jobs):
             data = make(number)
-            self.jobs[self.book.add(data, f"{number}.gcode", {"kind": KIND})[0]] = number
+            self.jobs[self.book.add_jobs(data, f"{number}.gcode", {"kind": KIND})[0]] = number
         self.dispatcher = Dispatcher(Broker("127.0.0.1", self.proxy.port), key, self.book)
         for at in range(len(self.groups)):
             self.start_agent(at)
@@ -398,7 +398,7 @@ class Load:
         begun = time.monotonic()
         told = 0
         while time.monotonic() - begun < limit_s:
-            counts = self.book.counts()
+            counts = self.book.count_states()
             done = counts.get("done", 0)
             if done >= told:
                 print(f"{time.monotonic() - begun:.0f} s: {counts}, {len(faults)} faults left, load {os.getloadavg()[0]:.1f}", flush=True)
@@ -413,7 +413,7 @@ class Load:
             papers = min(due + len(self.names), total - _RESERVE * len(faults)) - done - under_way - self.free
             self.people(max(papers, 0 if under_way or self.free else 1))
             time.sleep(0.2)
-        raise AssertionError(f"not done in {limit_s} s: {self.book.counts()}, {[(name, told.get('how'), told.get('state'), told.get('text')) for name, told in self.desk.machines.items()]}")
+        raise AssertionError(f"not done in {limit_s} s: {self.book.count_states()}, {[(name, told.get('how'), told.get('state'), told.get('text')) for name, told in self.desk.machines.items()]}")
 
     def drawn(self):
         """{machine: (numbers, steps drawn twice, faults)}, from the traces."""

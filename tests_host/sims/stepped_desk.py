@@ -33,7 +33,7 @@ class SteppedDesk:
 
     def ask(self, do, proven=True, **fields):
         fields["do"] = do
-        return self.api.order(fields, proven)
+        return self.api.answer_order(fields, proven)
 
     def cycle(self):
         self.app.cycle()
@@ -45,7 +45,7 @@ class SteppedDesk:
         if (now - self._pushed) & COUNT_MASK >= PUSH_MS:
             self._pushed = now
             self.beats += 1
-            self.machine.beat(self.beats)
+            self.machine.note_beat(self.beats)
 
     def run_ms(self, milliseconds):
         end = self.port.now + milliseconds * TICKS_PER_MS
@@ -54,7 +54,7 @@ class SteppedDesk:
 
     def until(self, wanted, limit_ms=60_000):
         end = self.port.now + limit_ms * TICKS_PER_MS
-        while not wanted(self.machine.shown()):
+        while not wanted(self.machine.page_state()):
             assert self.port.now < end, self.machine.state
             self.cycle()
 

@@ -65,7 +65,7 @@ def taught():
         {"do": "line", "line": "G91G2X4Y-4J-4F1500"}, {"do": "line", "line": "G3X0I2.5"}, {"do": "line", "line": "G18G2X-3Z-3K-3"},
         {"do": "line", "line": "G17G90"}, {"do": "step", "by": {"y": 2.125}}, {"do": "step", "by": {"y": -1}},
     ):  # fmt: skip
-        assert desk.api.order({"speed": 2000, **order}, True)["error"] == 0, order
+        assert desk.api.answer_order({"speed": 2000, **order}, True)["error"] == 0, order
         desk.settle()
     made, desk.board.world.path = desk.board.world.path, None
     end = desk.place()

@@ -17,7 +17,7 @@ class Bench:
         self.desk = made = Desk()
         self.store = Store(folder / "jobs", gcode_lines, facts=facts)
         for name, text in JOBS.items():
-            assert self.store.put(name, text) == 0
+            assert self.store.put_job(name, text) == 0
         made.store, made.api = self.store, PanelOrders(made.machine, self.store)
 
     def ask(self, what, **more):
@@ -115,7 +115,7 @@ def test_nobody_at_the_machine(bench):
     """If the board wants the operator there, the next job does not begin by itself."""
     bench.put("plain", "plain")
     assert bench.ask("run") == 0
-    bench.desk.machine.absent = lambda: errors.PRESENCE
+    bench.desk.machine.presence_error = lambda: errors.PRESENCE
     assert bench.done() == (["plain"], "asks", "")
     page = {"do": "queue", "what": "run"}
-    assert bench.desk.api.order(page, True, remote=True)["error"] == errors.PRESENCE
+    assert bench.desk.api.answer_order(page, True, remote=True)["error"] == errors.PRESENCE

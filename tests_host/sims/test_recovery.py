@@ -40,7 +40,7 @@ def test_a_board_is_asked_for_nothing_that_it_has_not(tmp_path):
         assert made.order("stop") == 0
         made.run_ms(500)
         assert made.order("unlock") == 0
-        made.machine.lost()
+        made.machine.lose_board()
         made.run_ms(500)
     assert b"$I\n" in said and b"$F\n" not in said and b"$JR\n" not in said
     assert not [number for _, number, who in made.board.controller.machine.log.entries if number < 100], made.board.controller.machine.log.entries
@@ -65,7 +65,7 @@ def cut(tmp_path):
     pages = Pages()
     made = desk(tmp_path, pages)
     assert made.machine.state["recover"] is None
-    assert made.store.put("part.gcode", JOB) == 0
+    assert made.store.put_job("part.gcode", JOB) == 0
     home(made)
     made.board.world.path = []
     assert made.order("run", name="part.gcode") == 0
@@ -79,7 +79,7 @@ def cut(tmp_path):
 
 def whole(tmp_path):
     made = desk(tmp_path, Pages())
-    made.store.put("part.gcode", JOB)
+    made.store.put_job("part.gcode", JOB)
     home(made)
     made.board.world.path = []
     assert made.order("run", name="part.gcode") == 0
@@ -137,7 +137,7 @@ def test_it_does_not_go_down_behind_a_power_cut_while_it_asked(cut):
     made.run_ms(200)
     made.settle()
     assert made.machine.state["recover"]["next"]
-    made.machine.attached(False)
+    made.machine.note_port(False)
     made.run_ms(500)
     assert made.machine.state["recover"]["next"] == "" and made.order("recover", what="down") == errors.ORDER_FIELD
     assert made.order("recover", what="begin") == 0
@@ -160,7 +160,7 @@ PAUSED = "G21\nM0\nG4P0.1\n"
 
 
 def paused_and_done(made):
-    assert made.store.put("paused.gcode", PAUSED) == 0
+    assert made.store.put_job("paused.gcode", PAUSED) == 0
     assert made.order("run", name="paused.gcode") == 0
     while made.machine.state["state"] != "Hold":
         made.cycle()
@@ -179,7 +179,7 @@ def cut_amid(made, name="part.gcode"):
 
 def ready(tmp_path):
     made = desk(tmp_path, Pages())
-    assert made.store.put("part.gcode", JOB) == 0
+    assert made.store.put_job("part.gcode", JOB) == 0
     home(made)
     return made
 
@@ -189,11 +189,11 @@ def test_a_job_behind_one_with_a_pause_is_offered(tmp_path, reset):
     made = ready(tmp_path)
     paused_and_done(made)
     job = made.machine.job
-    while reset and made.machine.wire.oldest() != b"$JR":
+    while reset and made.machine.wire.oldest_line() != b"$JR":
         made.cycle()
     assert not reset or made.order("stop") == 0
     made.run_ms(500)
-    while job.running():
+    while job.is_running():
         made.cycle()
     cut_amid(made)
     offer = made.machine.state["recover"]
@@ -204,7 +204,7 @@ def test_a_job_that_does_not_begin_leaves_the_one_before(tmp_path):
     made = ready(tmp_path)
     cut_amid(made)
     offer = made.machine.state["recover"]
-    assert made.store.put("paused.gcode", PAUSED) == 0
+    assert made.store.put_job("paused.gcode", PAUSED) == 0
     made.board.app.controller.machine.raise_alarm(errors.ALARM_POWER, "test")
     made.run_ms(300)
     assert made.order("run", name="paused.gcode")
@@ -219,7 +219,7 @@ def test_a_job_too_large_to_be_looked_for_is_not_taken_for_another(tmp_path, mon
     """The board's journal has its lines under a number of its own."""
     made = ready(tmp_path)
     cut_amid(made)
-    assert made.store.put("large.gcode", JOB.replace("X8", "X9")) == 0
+    assert made.store.put_job("large.gcode", JOB.replace("X8", "X9")) == 0
     monkeypatch.setattr("host_tools.panel.store._MOST_KNOWN", 0)
     cut_amid(made, "large.gcode")
     monkeypatch.undo()
@@ -236,7 +236,7 @@ def test_no_line_goes_before_the_board_knows_whose_it_is(tmp_path):
     handlers = made.board.app.controller.machine.handlers
     asked = handlers[commands.JOURNAL]
     handlers[commands.JOURNAL] = lambda command: asked(command) if command.target is None else errors.BUSY
-    assert made.store.put("paused.gcode", JOB.replace("X8", "X9")) == 0
+    assert made.store.put_job("paused.gcode", JOB.replace("X8", "X9")) == 0
     assert made.order("run", name="paused.gcode") == 0
     made.run_ms(1000)
     assert made.machine.state["job"]["how"] == "failed" and made.place() == place
@@ -266,7 +266,7 @@ def begin_at(made, line, name="part.gcode"):
 def test_a_job_is_begun_at_a_line(tmp_path, journal):
     """The page shows the state restored there before anything moves; then as after a crash: over the place, asked, down, and the rest of it."""
     made = desk(tmp_path, Pages(), journal=journal)
-    assert made.store.put("part.gcode", JOB) == 0
+    assert made.store.put_job("part.gcode", JOB) == 0
     home(made)
     path = made.board.world.path = []
     offer = begin_at(made, 9)
@@ -319,7 +319,7 @@ def test_a_chosen_line_that_is_left_gives_way_to_what_was_interrupted(tmp_path):
 @pytest.mark.parametrize("line, text", ((400, "ends before"), (4, "probes"), (6, "line 5, $X: error 184")))
 def test_a_line_that_cannot_be_begun_at_says_why(tmp_path, line, text):
     made = ready(tmp_path)
-    assert made.store.put("strange.gcode", "G21G90\nF100\nG38.2Z-5\nG0Z-1\nG1X1\n" if line != 6 else "G21G90\nF100\nG0X1\nG0Z-1\n$X\nG1X1\n") == 0
+    assert made.store.put_job("strange.gcode", "G21G90\nF100\nG38.2Z-5\nG0Z-1\nG1X1\n" if line != 6 else "G21G90\nF100\nG0X1\nG0Z-1\n$X\nG1X1\n") == 0
     assert begin_at(made, line, "strange.gcode") is None
     assert [event for event in made.told if event["t"] == "refused" and text in event["text"]], made.told
     assert made.order("recover", what="from", name="none.gcode", line=1) == errors.NO_SUCH_JOB
@@ -340,13 +340,13 @@ def test_a_job_of_another_folder_is_told_and_gone_on_with_once_its_file_is_here(
         offer = made.machine.state["recover"]
         assert {**offer, "line": 0} == {"name": "part.gcode", "line": 0, "known": True, "next": "", "absent": True}
         assert made.order("recover", what="begin") == errors.NO_SUCH_JOB
-        assert made.store.put("another.gcode", "G21\nG0X1\n") == 0
+        assert made.store.put_job("another.gcode", "G21\nG0X1\n") == 0
         made.run_ms(500)
         assert made.machine.state["recover"] == offer
         if what != "begin":
             assert made.order("recover", what=what) == 0
             made.settle()
-        assert made.store.put("part.gcode", JOB) == 0
+        assert made.store.put_job("part.gcode", JOB) == 0
         made.run_ms(500)
         if what != "begin":
             assert made.machine.state["recover"] is None

@@ -26,7 +26,7 @@ def desk(tmp_path):
     made = Desk()
     made.store = Store(tmp_path / "jobs", gcode_lines, facts=job_facts.gcode_facts)
     for name in ("one.gcode", "two.gcode"):
-        assert made.store.put(name, "G21G91\nG1X5F3000\n") == 0
+        assert made.store.put_job(name, "G21G91\nG1X5F3000\n") == 0
     made.api = PanelOrders(made.machine, made.store)
     return made
 
@@ -59,7 +59,7 @@ def test_a_slow_drawing_holds_run_of_its_own_job_only(desk, tmp_path):
         return (name + ".gcode" if name.endswith(".svg") else name), text
 
     desk.api.store = store = Store(tmp_path / "jobs", gcode_lines, made, facts=job_facts.gcode_facts)
-    assert store.put(svg + ".gcode", "G21G91\nG1X1F3000\n") == 0
+    assert store.put_job(svg + ".gcode", "G21G91\nG1X1F3000\n") == 0
     server = Server(desk.api, "A" * 16, {"127.0.0.1"}, str(FOLDER))
 
     def later(do, **fields):

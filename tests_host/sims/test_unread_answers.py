@@ -14,7 +14,7 @@ GET = b"GET /big.html HTTP/1.1\r\nHost: passo\r\n\r\n"
 class Open:
     """Everybody may."""
 
-    def wrong(self, connection, browser):
+    def refusal_status(self, connection, browser):
         return 0
 
     def headers(self):

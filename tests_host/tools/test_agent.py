@@ -145,7 +145,7 @@ def test_a_question_that_a_power_cut_leaves_unanswered_is_asked_again():
     asked = port.lines.count(b"?")
     port.restart()
     run(lambda: port.lines.count(b"?") > asked + 1 and port.dead)  # it was asked again, by a link without old lines
-    assert board._machine.wire.of(0) == 1
+    assert board._machine.wire.count_lines(0) == 1
 
 
 @pytest.mark.parametrize("line", [b"$I", b"$$", b"$JR"])
@@ -223,7 +223,7 @@ def test_steps_and_late_words_and_what_was_refused_are_counted():
     run(lambda: board.state_topics.told["state"] == "lost")
     port.restart()
     run(lambda: port.lines.count(b"$LOG") > asked and counters["late"] == 4)
-    board._machine.say(b"G99")
+    board._machine.send_line(b"G99")
     run(lambda: counters["refused"] == 1)
     assert counters["connections"] == 2
     assert port.lines.count(b"$LOG") == 3, "once behind each motion, and each start"
@@ -251,7 +251,7 @@ def test_late_words_and_lost_packets_of_a_plotter():
     machine.wire._report({**report, "error": errors.WORDS_LATE})
     machine.wire._report(dict(report))
     assert machine.late == 1
-    machine.do(Command(commands.POINT, (5, 5), tool=1))
+    machine.queue_command(Command(commands.POINT, (5, 5), tool=1))
     for _status in range(3):
         machine.wire._report(dict(report))
     assert machine.wire.retries == 1
@@ -269,7 +269,7 @@ def test_a_stop_waits_for_no_other_board_of_the_agent():
 
     for name in "ab":
         links.append(NoBroker())
-        agent.add(name, "grbl", boards.load("corexy_plotter"), make_port, links[-1])
+        agent.add_board(name, "grbl", boards.load("corexy_plotter"), make_port, links[-1])
     agent._watch_port = lambda board, fd, opened: board.note_port(opened)
     busy, over = threading.Event(), threading.Event()
 
@@ -313,7 +313,7 @@ def test_a_machine_that_waits_does_not_read_its_job_again_and_again():
     lines.append((10_001, b"M5"))
     record = board.work._job.record
     board.work._order = {"id": "7", "name": "a"}
-    board.work._job.files.keep("a", lines, 7)
+    board.work._job.files.keep_program("a", lines, 7)
     board.work._job.record = record
     board.work._change_state("waits")
     for _poll in range(50):
@@ -818,7 +818,7 @@ def test_an_agent_that_lost_its_connection_knows_its_own_state(shop):
     try:
         for count in (1, 2):
             shop.until(lambda: link.is_up and link.connections >= count)
-            link.tell({"state": f"run {count}"})
+            link.publish_topics({"state": f"run {count}"})
             shop.until(lambda: shop.told.get("passo/a/state") == f"run {count}")
             link._client.socket().shutdown(socket.SHUT_RDWR)
         shop.until(lambda: link.connections >= 3)
@@ -834,7 +834,7 @@ def test_what_has_not_begun_does_not_begin_at_a_machine_for_which_another_agent_
     assert work.act("release") == ""
     board._yield_machine("another one")
     assert work.how == "rest" and work.act("release") == "another one" and work.page_row()["text"] == "another one"
-    work.order(sign_message("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
+    work.take_order(sign_message("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
     assert work.how == "rest"
     for how, order, then in (("free", None, "rest"), ("fetch", {"id": "1", "name": "a"}, "rest"), ("goes", {"id": "1", "name": "a"}, "waits"), ("run", {"id": "1", "name": "a"}, "run")):
         work._order, work._parcel = order, SimpleNamespace(drop=lambda: None)

@@ -36,7 +36,7 @@ class Desk:
         self.told += 1
 
     def order(self, what, name="mine.py", **fields):
-        return self.own.finish(self.own.order({"do": "board", "what": what, "name": name, **fields}))
+        return self.own.finish(self.own.carry_out({"do": "board", "what": what, "name": name, **fields}))
 
     def read(self, name="mine.py"):
         return (self.folder / name).read_text(encoding="utf-8")
@@ -124,7 +124,7 @@ def test_what_is_refused_else(desk):
         assert "is one of Passo's own" in desk.order(what, "lpt_router", values={})["text"]
     assert desk.order("get", "lpt_router")["own"] is False
     for fields in ({"what": "set", "name": "mine.py"}, {"what": "set", "name": "mine.py", "values": {"tool.pin": 3}}, {"what": "set", "name": "mine.py", "values": {"tool.pin": "x" * 33}}, {"what": "all", "name": "mine.py"}, {"what": "get", "name": "/etc/passwd"}):
-        assert desk.own.order(fields) == errors.ORDER_FIELD
+        assert desk.own.carry_out(fields) == errors.ORDER_FIELD
 
 
 @pytest.mark.parametrize("name", boards.names())

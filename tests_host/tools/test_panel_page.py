@@ -220,7 +220,7 @@ def test_the_sha256_of_the_page(browser):
         found = browser.driver.execute_async_script(
             'const [key, message, done] = arguments; const bytes = (text) => new TextEncoder().encode(text);'
             'import("./sha256.js").then(({hmac, hex}) => done(hex(hmac(bytes(key), bytes(message)))));', key, message)  # fmt: skip
-        assert found == Hmac(key.encode()).hex(message.encode())
+        assert found == Hmac(key.encode()).hex_digest(message.encode())
 
 
 def test_a_jog_ends_when_it_is_let_go(browser):

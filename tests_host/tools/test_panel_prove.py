@@ -150,8 +150,8 @@ def test_lines_for_programs(tmp_path):
     """The panel reads the process's lines; a line that is no JSON is a sentence."""
     told = []
     proving = ProveProcess(lambda: ["--port", str(tmp_path / "none")], lambda: 0, told.append)
-    assert proving.order({"what": "get"}) == {"t": "prove", "how": ""}
-    assert proving.order({"what": "begin", "language": "pt", "pins": True}) == 0
+    assert proving.carry_out({"what": "get"}) == {"t": "prove", "how": ""}
+    assert proving.carry_out({"what": "begin", "language": "pt", "pins": True}) == 0
     for line in ('{"header": "Passo on a board"}', '{"part": "link", "number": 3, "of": 8, "said": ""}',
                  json.dumps({"key": "ask_ms", "what": "asked", "found": "1 ms", "promised": "", "verdict": "better", "advice": "", "figures": {"ask_ms": 1}}),
                  "press reset"):  # fmt: skip

@@ -72,7 +72,7 @@ DOORS = {
     "stored": lambda path, store: stored_job.gcode_job(path),
     "folder": lambda path, store: gcode_lines(path),
     "shop": lambda path, store: uploads.job_of(path.name, path.read_bytes(), "corexy_plotter"),
-    "upload": lambda path, store: _told(store.put("a.nc", path.read_text(encoding="utf-8"))),
+    "upload": lambda path, store: _told(store.put_job("a.nc", path.read_text(encoding="utf-8"))),
     "agent": lambda path, store: _agent(path),
 }
 
@@ -112,8 +112,8 @@ def test_letters_in_comments_cost_nothing(part, store, tmp_path):
     part.write_text(text, encoding="utf-8")
     check.check(part, "router_3axis", None, None)
     assert stored_job.gcode_job(part) == b"\nN2G21G91\nN3G1X1F600\nN4M2\n"
-    assert store.put("a.nc", text) == 0 and store.lines("a.nc") == [(2, b"N2G21G91"), (3, b"N3G1X1F600"), (4, b"N4M2")]
-    assert Jobs({"a.nc": text}, "grbl").lines("a.nc") == store.lines("a.nc")
+    assert store.put_job("a.nc", text) == 0 and store.lines_of("a.nc") == [(2, b"N2G21G91"), (3, b"N3G1X1F600"), (4, b"N4M2")]
+    assert Jobs({"a.nc": text}, "grbl").lines("a.nc") == store.lines_of("a.nc")
     assert uploads.job_of("a.nc", text.encode(), "corexy_plotter")[1].decode() == text
     assert Jobs({"a.nc": MINUS}, "grbl").lines("a.nc") == {"error": errors.JOB_LINE, "line": 3, "text": ""}
     for line in (b"G1X1\xe2\x88\x92", "$I=Fräse".encode()):
@@ -174,7 +174,7 @@ def test_a_program_ends(text, end, behind, far, part, capsys, store):
     said = capsys.readouterr()
     assert re.search(rf"X +0\.000 … +{far} mm", said.out)
     assert f"part.nc ends at line {end}; what stands behind it is no part of the program: {behind}\n" in said.err
-    assert stored_job.gcode_job(part).count(b"\n") <= end and store.put("a.nc", text.decode()) == 0 and store.lines("a.nc")[-1][0] <= end
+    assert stored_job.gcode_job(part).count(b"\n") <= end and store.put_job("a.nc", text.decode()) == 0 and store.lines_of("a.nc")[-1][0] <= end
 
 
 def test_what_is_streamed_and_stored_ends(tmp_path, part, capsys):
@@ -229,7 +229,7 @@ def test_a_job_is_looked_at_again_where_it_is_sent(line):
     machine = Machine()
     job = Job(machine)
     line = line.replace(b"(a) ", b"")
-    assert job.run("a.nc", [(1, b"N1G21"), (7, line)], 1, False) == {"error": errors.JOB_LINE, "line": 7} and not job.running()
+    assert job.run("a.nc", [(1, b"N1G21"), (7, line)], 1, False) == {"error": errors.JOB_LINE, "line": 7} and not job.is_running()
 
 
 def test_stream_asks_before_it_changes_settings(part, monkeypatch):
@@ -262,8 +262,8 @@ def test_n_words_do_not_hide_the_line(part, store, capsys):
     assert stored_job.gcode_job(part).split(b"\n")[:4] == [b"N1G21G91", b"", b"N3G1X1F600", b"N4X1"]
     with pytest.raises(Failure, match="1 line would be refused; the first is line 5"):
         check.check(part, "router_3axis", None, None)
-    store.put("a.nc", part.read_text())
-    assert store.lines("a.nc")[3][1] == b"N5X1Q"
+    store.put_job("a.nc", part.read_text())
+    assert store.lines_of("a.nc")[3][1] == b"N5X1Q"
 
 
 # --- lines that are too long

@@ -37,5 +37,5 @@ def test_the_page_says_what_in_the_line_is_wrong(tmp_path):
     settings = {100: "80", 101: "80", 102: "80", 110: "6000", 111: "6000", 112: "3000", 120: "500", 121: "500", 122: "300"}
     for name, text, said in (("sums.nc", "N1 G21*18\nN2 G0 X5*7\n", "checksums such as *18"), ("long.nc", "G21\nG1 X5 F1 " + "Y1.00000 " * 30, "the line has"), ("no.nc", "G21\n5\n", "")):
         (tmp_path / name).write_text(text)
-        about = store.about(name, settings)
+        about = store.facts_of(name, settings)
         assert about["refused"] and about["advice"].startswith(said) and bool(about["advice"]) == bool(said), name

@@ -50,13 +50,13 @@ def book(tmp_path):
 
 
 def test_a_job_is_given_once_whatever_is_asked_for_again(book, tmp_path):
-    one, two = book.add(b"G0X1", "a.gcode", {"kind": "k"}, 2)
-    job = book.give("m1", "nonce", lambda job: True)
+    one, two = book.add_jobs(b"G0X1", "a.gcode", {"kind": "k"}, 2)
+    job = book.give_job("m1", "nonce", lambda job: True)
     assert job.id == one and book.open_of("m1").nonce == "nonce"
-    assert book.give("m1", "other", lambda job: True) is None, "a machine has one job"
-    assert book.give("m2", "nonce", lambda job: True).id == two
-    assert book.give("m3", "nonce", lambda job: True) is None
-    book.follow(job, "begun", 3, "")
+    assert book.give_job("m1", "other", lambda job: True) is None, "a machine has one job"
+    assert book.give_job("m2", "nonce", lambda job: True).id == two
+    assert book.give_job("m3", "nonce", lambda job: True) is None
+    book.note_progress(job, "begun", 3, "")
     with pytest.raises(sqlite3.IntegrityError):
         book._change_rows("update jobs set machine = 'm2' where id = ?", one)
     again = JobTable(tmp_path / "shop.sqlite")
@@ -69,40 +69,40 @@ def test_a_job_is_given_once_whatever_is_asked_for_again(book, tmp_path):
 
 
 def test_jobs_are_given_in_their_order_to_machines_that_fit(book):
-    book.add(b"1", "big", {"kind": "k", "area": [300, 100]})
-    book.add(b"2", "red", {"kind": "k", "tool": "red"})
-    book.add(b"3", "any", {"kind": "k", "tool": ""})
+    book.add_jobs(b"1", "big", {"kind": "k", "area": [300, 100]})
+    book.add_jobs(b"2", "red", {"kind": "k", "tool": "red"})
+    book.add_jobs(b"3", "any", {"kind": "k", "tool": ""})
     blue = {"kind": "k", "tool": "blue", "area": [200, 200]}
-    assert book.give("blue", "n", lambda job: job_fits(job, blue)).name == "any"
-    assert book.give("red", "n", lambda job: job_fits(job, {**blue, "tool": "red"})).name == "red"
+    assert book.give_job("blue", "n", lambda job: job_fits(job, blue)).name == "any"
+    assert book.give_job("red", "n", lambda job: job_fits(job, {**blue, "tool": "red"})).name == "red"
     assert not job_fits(book.jobs()[0], {**blue, "kind": "another"})
-    assert book.give("big", "n", lambda job: job_fits(job, {"kind": "k", "area": [300, 100]})).name == "big"
+    assert book.give_job("big", "n", lambda job: job_fits(job, {"kind": "k", "area": [300, 100]})).name == "big"
 
 
 def test_a_laser_is_given_what_may_be_burnt_by_its_class_and_no_other(book):
     def takes(most, **machine):
-        book.add(b"1", "cut", {"kind": "k", "laser": most})
-        job = book.give("m", "n", lambda job: job_fits(job, {"kind": "k", **machine}))
+        book.add_jobs(b"1", "cut", {"kind": "k", "laser": most})
+        job = book.give_job("m", "n", lambda job: job_fits(job, {"kind": "k", **machine}))
         if job:
             book.end(job, "done", 1, "")
         else:
-            book.withdraw(book.jobs(1)[0].id)
+            book.withdraw_job(book.jobs(1)[0].id)
         return bool(job)
 
     assert [has for has in LASER_CLASSES if takes("1M", laser=has)] == ["1", "1C", "1M"]
     assert [has for has in LASER_CLASSES if takes("3B", laser=has)] == ["1", "1C", "1M", "2", "2M", "3R", "3B"]
     assert not takes("4", laser="") and not takes("4"), "nobody has said what it is"
     assert all(takes("", laser=has) for has in ("", *LASER_CLASSES))
-    book.add(b"1", "of an older shop", {"kind": "k"})
+    book.add_jobs(b"1", "of an older shop", {"kind": "k"})
     assert job_fits(book.jobs()[0], {"kind": "k", "laser": "4"})
 
 
 def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
-    one, two = book.add(b"G0X1", "a", {"kind": "k", "material": "A4"}, 2)
-    book.end(book.give("m", "n", lambda job: True), "done", 9, "")
-    book.end(book.give("m", "n", lambda job: True), "refused", 0, "")
-    assert book.job(one).begun == book.job(one).ended and book.times_of_materials() == [("A4", 1, 0.0)]
-    assert book.job(two).begun is None
+    one, two = book.add_jobs(b"G0X1", "a", {"kind": "k", "material": "A4"}, 2)
+    book.end(book.give_job("m", "n", lambda job: True), "done", 9, "")
+    book.end(book.give_job("m", "n", lambda job: True), "refused", 0, "")
+    assert book.job_by_id(one).begun == book.job_by_id(one).ended and book.times_of_materials() == [("A4", 1, 0.0)]
+    assert book.job_by_id(two).begun is None
 
 
 # --- what is signed
@@ -230,10 +230,10 @@ def bench(tmp_path):
 def test_nothing_moves_until_somebody_at_the_machine_says_so_and_then_one_job(bench):
     bench.start_agent()
     for number in (5, 600):
-        bench.book.add(shop_load.program(number), f"{number}.gcode", {"kind": shop_load.KIND})
+        bench.book.add_jobs(shop_load.program(number), f"{number}.gcode", {"kind": shop_load.KIND})
     bench.until(lambda: bench.how() == "rest" and bench.machine().get("state") == "alarm")
     time.sleep(1)
-    assert bench.book.counts() == {"queued": 2} and bench.machine()["state"] == "alarm"
+    assert bench.book.count_states() == {"queued": 2} and bench.machine()["state"] == "alarm"
     # A page of another origin, another host, or no browser's page.
     for headers in ({"Origin": "http://evil.example"}, {"Host": "evil.example"}, {"Origin": "null"}, {"Origin": "http://127.0.0.1:1"}):
         assert bench.do("release", **headers).status_code == 403, headers
@@ -242,11 +242,11 @@ def test_nothing_moves_until_somebody_at_the_machine_says_so_and_then_one_job(be
     assert bench.do("jump").json()["text"] and bench.do("go").json()["text"] and bench.do("give up").json()["text"]
     assert bench.how() == "rest"
     bench.release()
-    bench.until(lambda: bench.book.counts().get("done") == 1)
+    bench.until(lambda: bench.book.count_states().get("done") == 1)
     time.sleep(1)
-    assert bench.book.counts() == {"done": 1, "queued": 1} and bench.how() == "rest", "one release, one job"
+    assert bench.book.count_states() == {"done": 1, "queued": 1} and bench.how() == "rest", "one release, one job"
     bench.release()
-    bench.until(lambda: bench.book.counts().get("done") == 2)
+    bench.until(lambda: bench.book.count_states().get("done") == 2)
     assert bench.drawn() == ([5, 600], 0, [])
 
 
@@ -256,25 +256,25 @@ def test_what_was_heard_before_altered_or_told_by_strangers_does_nothing(bench):
     """The broker lets anybody publish: a stranger's messages are not signed."""
     bench.start_agent()
     bench.until(lambda: bench.how() == "rest")
-    bench.book.add(shop_load.program(1), "1.gcode", {"kind": shop_load.KIND})
-    bench.book.add(shop_load.program(2), "2.gcode", {"kind": shop_load.KIND})
+    bench.book.add_jobs(shop_load.program(1), "1.gcode", {"kind": shop_load.KIND})
+    bench.book.add_jobs(shop_load.program(2), "2.gcode", {"kind": shop_load.KIND})
     # A machine that is none, and the machine's own words in another's mouth, or changed.
     own = bench.told["passo/m/work"]
     for name in ("thief", "m"):
         for text in (own, own.replace('"rest"', '"free"'), json.dumps({"how": "free", "nonce": "x", "job": "", "ended": None}), "1..{}"):
             bench.client.publish(f"passo/{name}/work", text, 1)
     time.sleep(1)
-    assert bench.book.counts() == {"queued": 2} and "thief" not in {job.machine for job in bench.book.jobs()}
+    assert bench.book.count_states() == {"queued": 2} and "thief" not in {job.machine for job in bench.book.jobs()}
     bench.client.publish("passo/m/order", "1.0.{}", 1).wait_for_publish(30)
     bench.release()
-    bench.until(lambda: bench.book.counts().get("done") == 1)
+    bench.until(lambda: bench.book.count_states().get("done") == 1)
     order = [text for topic, text, _kept in bench.heard if topic == "passo/m/order" and len(text) > 20][-1]
     assert sum(1 for topic, _text, _kept in bench.heard if topic == "passo/m/order") > 1
     bench.until(lambda: bench.machine()["state"] == "idle" and bench.do("release").json()["text"] == "" or bench.how() != "rest")
     job = bench.book.jobs()[0]
     for text in (order, order.replace(bench.book.jobs()[-1].id, job.id), sign_message("B" * 16, SHOP, "x", 1, {"id": job.id})):
         bench.client.publish("passo/m/order", text, 1, retain=True)
-    bench.until(lambda: bench.book.counts().get("done") == 2)
+    bench.until(lambda: bench.book.count_states().get("done") == 2)
     assert bench.drawn() == ([1, 2], 0, [])
 
 
@@ -284,16 +284,16 @@ def test_the_button_at_the_machine_releases_it_for_one_job(bench):
     bench.board.send_signal(signal.SIGUSR2)
     bench.start_agent()
     for number in (7, 8):
-        bench.book.add(shop_load.program(number), f"{number}.gcode", {"kind": shop_load.KIND})
+        bench.book.add_jobs(shop_load.program(number), f"{number}.gcode", {"kind": shop_load.KIND})
     bench.until(lambda: bench.how() == "rest" and bench.machine().get("state") == "alarm")
     time.sleep(1)
-    assert bench.book.counts() == {"queued": 2} and bench.machine()["how"] == "rest"
+    assert bench.book.count_states() == {"queued": 2} and bench.machine()["how"] == "rest"
     bench.board.send_signal(signal.SIGUSR2)
     time.sleep(1)
     bench.board.send_signal(signal.SIGUSR2)
-    bench.until(lambda: bench.book.counts().get("done") == 1)
+    bench.until(lambda: bench.book.count_states().get("done") == 1)
     time.sleep(1)
-    assert bench.book.counts() == {"done": 1, "queued": 1} and bench.how() == "rest", "it is still held"
+    assert bench.book.count_states() == {"done": 1, "queued": 1} and bench.how() == "rest", "it is still held"
     assert bench.drawn() == ([7], 0, [])
 
 
@@ -302,7 +302,7 @@ def test_a_file_that_another_has_put_on_the_broker_is_not_drawn(bench):
     """Its digest is not the one that the shop has signed: nothing moves, and the machine says why; the right file is drawn then."""
     bench.start_agent()
     right = shop_load.program(9)
-    bench.book.add(right, "9.gcode", {"kind": shop_load.KIND})
+    bench.book.add_jobs(right, "9.gcode", {"kind": shop_load.KIND})
     put = bench.dispatcher._publish_file
     topic = "passo/file/" + hashlib.sha256(right).hexdigest() + "/0"
     bench.dispatcher._publish_file = lambda sha: bench.client.publish(topic, shop_load.program(10), 1, True).wait_for_publish(30)
@@ -311,10 +311,10 @@ def test_a_file_that_another_has_put_on_the_broker_is_not_drawn(bench):
     time.sleep(1)
     told = bench.machine()
     assert told["how"] == "fetch" and "is not the one" in told["text"]["en"] and "não é o" in told["text"]["pt"]
-    assert bench.book.counts() == {"given": 1} and bench.dispatcher.machines["m"]["text"] == told["text"]["en"]
+    assert bench.book.count_states() == {"given": 1} and bench.dispatcher.machines["m"]["text"] == told["text"]["en"]
     bench.dispatcher._publish_file = put
     put(hashlib.sha256(right).hexdigest())
-    bench.until(lambda: bench.book.counts().get("done") == 1)
+    bench.until(lambda: bench.book.count_states().get("done") == 1)
     assert bench.drawn() == ([9], 0, [])
 
 
@@ -322,7 +322,7 @@ def test_a_file_that_another_has_put_on_the_broker_is_not_drawn(bench):
 def test_agent_broker_and_power_fail_and_the_job_is_drawn_once(bench):
     """The power is cut amid the job, the agent is killed before it can tell, and the broker forgets all."""
     bench.start_agent()
-    bench.book.add(shop_load.program(1023), "1023.gcode", {"kind": shop_load.KIND})
+    bench.book.add_jobs(shop_load.program(1023), "1023.gcode", {"kind": shop_load.KIND})
     bench.release()
     bench.until(lambda: bench.how() == "run")
     bench.cut_power()
@@ -333,7 +333,7 @@ def test_agent_broker_and_power_fail_and_the_job_is_drawn_once(bench):
     bench.start_agent()
     bench.until(lambda: bench.how() in ("waits", "rest"))
     limit = time.monotonic() + 120
-    while bench.book.counts().get("done") != 1:
+    while bench.book.count_states().get("done") != 1:
         assert time.monotonic() < limit, (bench.machine(), bench.book.jobs())
         if bench.machine()["how"] == "waits":
             bench.do("go")
@@ -381,7 +381,7 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
         dispatcher._take_message(None, None, SimpleNamespace(topic=f"passo/m/{topic}", payload=text.encode()))
 
     body = {"how": "free", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k"}
-    book.add(b"G0X1", "a", {"kind": "k"}, 2)
+    book.add_jobs(b"G0X1", "a", {"kind": "k"}, 2)
     for state in ("gone", "lost"):
         hear("state", state)
         hear("work", sign_message(KEY, MACHINE, f"{dispatcher._nonce} m", 1 + len(broker.published), body))
@@ -391,7 +391,7 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
         assert job and [topic for topic, _text in broker.published if topic.endswith("order")][-1:] == ["passo/m/order"]
         hear("state", "run")
         book.end(job, "done", 1, "")
-    assert book.counts() == {"done": 2}
+    assert book.count_states() == {"done": 2}
 
 
 @pytest.fixture
@@ -436,7 +436,7 @@ def test_strangers_names_are_bounded_and_take_no_room_of_machines(heard):
 def test_a_clock_that_is_set_back_silences_no_machine(heard, book, monkeypatch):
     dispatcher, broker, hear, told = heard
     monkeypatch.setattr("host_tools.shop.dispatcher._RENEW_S", 0.01)
-    book.add(b"G0X1", "a", {"kind": "k"})
+    book.add_jobs(b"G0X1", "a", {"kind": "k"})
     for name in ("m", "other"):
         told(name, 10**9)
     told("m", 10**9)  # repeated, as a broker may
@@ -466,34 +466,34 @@ def test_a_job_of_a_machine_that_has_another_name_now_is_ended_on_the_page(heard
 
     dispatcher, broker, hear, told = heard
     shop = Shop(dispatcher, book, KEY, "127.0.0.1")
-    (job,) = book.add(b"G0X1", "a", {"kind": "k"})
+    (job,) = book.add_jobs(b"G0X1", "a", {"kind": "k"})
     told("old", 1, how="free")
     told("old", 2, how="run", job=job, line=3)
 
     def end(job):
-        return shop.order({"do": "end", "job": job}, True)["error"]
+        return shop.answer_order({"do": "end", "job": job}, True)["error"]
 
     monkeypatch.setattr("host_tools.shop.shop_server._HEARD_S", -1.0)
-    assert end(job) == errors.BUSY and shop.state()["adrift"] == [], "its machine has it"
+    assert end(job) == errors.BUSY and shop.page_state()["adrift"] == [], "its machine has it"
     hear("old", "state", "gone")
     told("new", 1, how="free")
-    assert shop.state()["adrift"] == [job] and book.open_of("old").id == job
-    assert shop.order({"do": "end", "job": job}, False)["error"] == errors.NO_SESSION
+    assert shop.page_state()["adrift"] == [job] and book.open_of("old").id == job
+    assert shop.answer_order({"do": "end", "job": job}, False)["error"] == errors.NO_SESSION
     assert end(job) == 0 and end(job) == end("0" * 8) == errors.NO_SUCH_JOB
-    assert shop.state()["adrift"] == [] and book.counts() == {"left": 1}
-    assert shop.state()["jobs"][0]["text"]["pt"] != shop.state()["jobs"][0]["text"]["en"]
+    assert shop.page_state()["adrift"] == [] and book.count_states() == {"left": 1}
+    assert shop.page_state()["jobs"][0]["text"]["pt"] != shop.page_state()["jobs"][0]["text"]["en"]
     # It was only out of reach, and has drawn on: its word counts.
     hear("old", "state", "run")
     told("old", 3, how="run", job=job, line=9)
     assert book.open_of("old").line == 9
     told("old", 4, ended=[job, "done", 12, ""])
-    assert book.counts() == {"done": 1}
-    (again,) = book.add(b"G0X1", "a", {"kind": "k"})
+    assert book.count_states() == {"done": 1}
+    (again,) = book.add_jobs(b"G0X1", "a", {"kind": "k"})
     told("old", 5, how="free")
     hear("old", "state", "gone")
     assert end(again) == 0
     told("old", 6, ended=[again, "done", 12, ""])
-    assert book.counts() == {"done": 2}
+    assert book.count_states() == {"done": 2}
 
 
 # --- the pages
@@ -541,19 +541,19 @@ def served(book):
 
 def test_who_has_no_key_looks_and_stops_and_does_nothing_else(served, book):
     dispatcher, shop = served
-    ids = book.add(b"G0X1", "a", {"kind": "k"})
+    ids = book.add_jobs(b"G0X1", "a", {"kind": "k"})
     for order in ({"do": "withdraw", "job": ids[0]}, {"do": "again", "job": ids[0]}, {"do": "drop"}, {"do": "jump"}, [], {"do": []}):
-        assert shop.order(order, False)["error"] == errors.NO_SESSION
-    assert book.counts() == {"queued": 1}
-    assert shop.order({"do": "stop"}, False)["error"] == 0 and dispatcher.stops == 1
-    assert "secret" not in json.dumps(shop.state()), "a nonce is for the shop alone"
+        assert shop.answer_order(order, False)["error"] == errors.NO_SESSION
+    assert book.count_states() == {"queued": 1}
+    assert shop.answer_order({"do": "stop"}, False)["error"] == 0 and dispatcher.stops == 1
+    assert "secret" not in json.dumps(shop.page_state()), "a nonce is for the shop alone"
 
 
 def test_orders_of_the_page_are_proven_and_good_once(served, book):
     _desk, shop = served
-    ids = book.add(b"G0X1", "a", {"kind": "k"}, 3)
+    ids = book.add_jobs(b"G0X1", "a", {"kind": "k"}, 3)
     pages = shop.server.pages
-    page = pages.enter(None, pages.about({}), 0)
+    page = pages.add_page(None, pages.first_fields({}), 0)
     signs = session.Session(KEY, page.hello["nonce"])
 
     def said(count, order, sign=signs):
@@ -561,21 +561,21 @@ def test_orders_of_the_page_are_proven_and_good_once(served, book):
         return f"{count}.{sign.proof(str(count), body)}.{body}"
 
     first = said(1, {"do": "withdraw", "job": ids[0], "id": 1})
-    assert pages.hear(page, first, 0) == {"t": "answer", "do": "withdraw", "error": 0, "id": 1}
-    assert pages.hear(page, first, 0)["error"] == errors.NO_SESSION
+    assert pages.answer_message(page, first, 0) == {"t": "answer", "do": "withdraw", "error": 0, "id": 1}
+    assert pages.answer_message(page, first, 0)["error"] == errors.NO_SESSION
     altered = said(2, {"do": "withdraw", "job": ids[1]}).replace(ids[1], ids[2])
-    assert pages.hear(page, altered, 0)["error"] == errors.NO_SESSION
-    assert pages.hear(page, said(3, {"do": "withdraw", "job": ids[1]}, session.Session("B" * 16, page.hello["nonce"])), 0)["error"] == errors.NO_SESSION
-    assert pages.hear(page, json.dumps({"do": "withdraw", "job": ids[1]}), 0)["error"] == errors.NO_SESSION
-    assert book.counts() == {"queued": 2}
+    assert pages.answer_message(page, altered, 0)["error"] == errors.NO_SESSION
+    assert pages.answer_message(page, said(3, {"do": "withdraw", "job": ids[1]}, session.Session("B" * 16, page.hello["nonce"])), 0)["error"] == errors.NO_SESSION
+    assert pages.answer_message(page, json.dumps({"do": "withdraw", "job": ids[1]}), 0)["error"] == errors.NO_SESSION
+    assert book.count_states() == {"queued": 2}
     more = {"do": "drop", "name": "a", "text": "x", "kind": "corexy_plotter", "copies": 1, "tool": "", "last": True}
     wrongs = [
         {"do": "withdraw"}, {"do": "withdraw", "job": 5}, {"do": "drop", "name": 1}, {**more, "at": 7}, {"do": "again", "job": "0" * 8}, {"do": []},
         {**more, "kind": "nobody's"}, {**more, "copies": 0}, {**more, "copies": 10**9}, {**more, "copies": True}, {**more, "tool": "é"}, {**more, "laser": "5"}, {**more, "laser": []}, {**more, "text": "x" * 40_000},
     ]  # fmt: skip
     for count, wrong in enumerate(wrongs, 10):
-        assert pages.hear(page, said(count, wrong), 0)["error"], wrong
-    assert book.counts() == {"queued": 2}
+        assert pages.answer_message(page, said(count, wrong), 0)["error"], wrong
+    assert book.count_states() == {"queued": 2}
 
 
 def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
@@ -583,7 +583,7 @@ def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
     monkeypatch.setattr(uploads, "MOST_BYTES", 100_000)
 
     def said(page, text, **more):
-        return shop.order({"do": "drop", "name": "a", "text": text, "kind": "corexy_plotter", "copies": 1, "tool": "", **more}, True, page)["error"]
+        return shop.answer_order({"do": "drop", "name": "a", "text": text, "kind": "corexy_plotter", "copies": 1, "tool": "", **more}, True, page)["error"]
 
     piece = "x" * 30_000
     assert said(1, piece, at=30_000) == errors.JOB_PIECE, "its first piece is missing"
@@ -595,7 +595,7 @@ def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
         assert [said(1, piece, at=at, name=name) for name in "ab"] == [0, 0]
     for page in range(100):  # pages that begin and go
         assert said(page, piece, at=0) == 0
-    assert len(shop._coming) <= 30 and book.counts() == {}
+    assert len(shop._coming) <= 30 and book.count_states() == {}
 
 
 def script(text):

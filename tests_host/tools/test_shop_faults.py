@@ -98,7 +98,7 @@ def until(condition):
 @pytest.mark.parametrize("fault", ["held", "full"])
 def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book, dispatcher, tmp_path, fault):
     """Another program holds the book, or the disk is full: no message raises, none waits, STOP goes on, and then all is as if nothing had been."""
-    first, _second = book.add(b"G0X1\n" * 2000, "a", {"kind": "k"}, 2)
+    first, _second = book.add_jobs(b"G0X1\n" * 2000, "a", {"kind": "k"}, 2)
     other = sqlite3.connect(tmp_path / "shop.sqlite", isolation_level=None)
     if fault == "held":
         other.execute("begin immediate")
@@ -122,10 +122,10 @@ def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book
         until(lambda: book.open_of("m"))
     else:
         with pytest.raises(JobTableError, match="full"):
-            book.add(b"G0X2\n" * 200_000, "b", {"kind": "k"})
-        assert "full" in book.trouble and book.counts() == {"queued": 2}
+            book.add_jobs(b"G0X2\n" * 200_000, "b", {"kind": "k"})
+        assert "full" in book.trouble and book.count_states() == {"queued": 2}
         book._base.execute(f"pragma max_page_count={pages}")
-        book.add(b"G0X2\n" * 200_000, "b", {"kind": "k"})
+        book.add_jobs(b"G0X2\n" * 200_000, "b", {"kind": "k"})
         word(dispatcher, 1)
     assert book.open_of("m").id == first
     until(lambda: [text for topic, text in dispatcher._client.published if topic == "passo/m/order"])
@@ -135,7 +135,7 @@ def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book
 
 
 def test_the_end_of_a_job_is_written_once_the_book_can_be(book, dispatcher, tmp_path):
-    book.add(b"G0X1", "a", {"kind": "k"})
+    book.add_jobs(b"G0X1", "a", {"kind": "k"})
     hear(dispatcher, "passo/m/state", b"idle")
     word(dispatcher, 1)
     job = book.open_of("m")
@@ -145,24 +145,24 @@ def test_the_end_of_a_job_is_written_once_the_book_can_be(book, dispatcher, tmp_
     word(dispatcher, 3, how="rest", ended=[job.id, "done", 9, ""], nonce="p")
     other.execute("rollback")
     other.close()
-    until(lambda: book.counts() == {"done": 1})
+    until(lambda: book.count_states() == {"done": 1})
     until(lambda: dispatcher._trying is None)
-    assert book.job(job.id).line == 9
+    assert book.job_by_id(job.id).line == 9
 
 
 def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, dispatcher, monkeypatch):
     """A number, or a text to all pages: never silence, and the file is tried again meanwhile."""
     monkeypatch.setattr(shop_server, "_AGAIN_S", 0.01)
     shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
-    job = book.add(b"G0X1", "a", {"kind": "k"})[0]
-    page = shop.server.pages.enter(None, {}, 0)
+    job = book.add_jobs(b"G0X1", "a", {"kind": "k"})[0]
+    page = shop.server.pages.add_page(None, {}, 0)
 
     def full(*_more, **_named):
         raise JobTableError(5, "database or disk is full")
 
     monkeypatch.setattr(book, "_change_rows", full)
     for order in ({"do": "withdraw", "job": job}, {"do": "again", "job": job}):
-        assert shop.order(order, True)["error"] == errors.NOT_WRITTEN
+        assert shop.answer_order(order, True)["error"] == errors.NOT_WRITTEN
 
     def dropped():
         import asyncio
@@ -171,40 +171,40 @@ def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, d
         asyncio.run(shop._queue_file("a.gcode", "G21 G90\nG1 X5 F600\n", {"kind": "corexy_plotter"}, 1))
         return page.told[-1]
 
-    assert "disk is full" in dropped()["text"]["en"] and book.counts() == {"queued": 1}
+    assert "disk is full" in dropped()["text"]["en"] and book.count_states() == {"queued": 1}
     monkeypatch.undo()
     monkeypatch.setattr(uploads.tempfile, "TemporaryDirectory", full)
     assert "could not be queued" in dropped()["text"]["en"]
     monkeypatch.undo()
     assert dropped() == {"t": "dropped", "name": "a.gcode", "text": "", "copies": 1}
-    assert shop.state()["trouble"] == "" and book.counts() == {"queued": 2}
+    assert shop.page_state()["trouble"] == "" and book.count_states() == {"queued": 2}
 
 
 def test_the_page_says_why_and_goes_on_while_the_book_is_held(book, dispatcher, tmp_path):
     shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
-    shop.state()
+    shop.page_state()
     other = sqlite3.connect(tmp_path / "shop.sqlite", isolation_level=None)
     other.execute("begin immediate")
     book.changed += 1
-    assert shop.order({"do": "withdraw", "job": "0" * 8}, True)["error"] == errors.NOT_WRITTEN
-    told = shop.state()["trouble"]
+    assert shop.answer_order({"do": "withdraw", "job": "0" * 8}, True)["error"] == errors.NOT_WRITTEN
+    told = shop.page_state()["trouble"]
     assert "locked" in told["en"] and "each second" in told["en"] and "cada segundo" in told["pt"]
     begun = time.monotonic()
-    assert shop.order({"do": "stop"}, False)["error"] == 0 and time.monotonic() - begun < 2
+    assert shop.answer_order({"do": "stop"}, False)["error"] == 0 and time.monotonic() - begun < 2
     other.rollback()
     other.close()
 
 
 def test_a_panel_s_order_that_meets_a_disk_error_is_answered():
     class Full(page_module.ServedPages):
-        def order(self, page, order, proven):
+        def answer_order(self, page, order, proven):
             raise OSError(28, "No space left on device")
 
     pages = Full(KEY, 1)
-    page = pages.enter(None, {}, 0)
+    page = pages.add_page(None, {}, 0)
     body = '{"do":"job_remove","id":7}'
     message = f"1.{Session(KEY, page.session.nonce).proof('1', body)}.{body}"
-    assert pages.hear(page, message, 0) == {"t": "answer", "do": "job_remove", "error": errors.NOT_WRITTEN, "id": 7}
+    assert pages.answer_message(page, message, 0) == {"t": "answer", "do": "job_remove", "error": errors.NOT_WRITTEN, "id": 7}
 
 
 # --- STOP
@@ -215,7 +215,7 @@ def test_stop_says_whether_it_has_left(book, monkeypatch):
         client = Client(up, acknowledges)
         dispatcher = Dispatcher(client, KEY, book)
         shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
-        assert shop.order({"do": "stop"}, False)["error"] == error
+        assert shop.answer_order({"do": "stop"}, False)["error"] == error
         assert len(client.published) == up, "one that is kept would stop machines much later"
         dispatcher.close()
 
@@ -273,7 +273,7 @@ def test_a_stop_takes_a_release_back():
     order = {"id": "0000000a", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}
     board.stop()
     assert board.work.how == REST
-    board.work.order(sign_message("KEY", SHOP, nonce, 1, order))
+    board.work.take_order(sign_message("KEY", SHOP, nonce, 1, order))
     assert board.work.how == REST, "it was for the release"
     assert b"\x18" in b"".join(port.lines)
 
@@ -286,7 +286,7 @@ def test_a_stop_takes_a_release_back():
 def test_no_message_ends_the_desk(tmp_path_factory, payload, topic):
     dispatcher, shop = _fuzzed(tmp_path_factory)
     hear(dispatcher, f"passo/{topic}", payload)
-    json.dumps(shop.state())
+    json.dumps(shop.page_state())
     assert dispatcher.stop_all() == 0
 
 
@@ -297,7 +297,7 @@ def test_no_machine_s_word_ends_the_desk(tmp_path_factory, changed, base):
     dispatcher, shop = _fuzzed(tmp_path_factory)
     dispatcher.counts = getattr(dispatcher, "counts", 0) + 1
     hear(dispatcher, "passo/m/work", escaped(MACHINE, f"{dispatcher._nonce} m", dispatcher.counts, {**base, **changed}).encode())
-    json.dumps(shop.state())
+    json.dumps(shop.page_state())
     dispatcher.look()
     word(dispatcher, dispatcher.counts + 1, name="good")
     dispatcher.counts += 1
@@ -321,12 +321,12 @@ def _fuzzed(tmp_path_factory):
 def test_no_order_of_a_page_ends_the_shop(tmp_path_factory, order):
     _desk, shop = _fuzzed(tmp_path_factory)
     pages = shop.server.pages
-    page = pages.enter(None, {}, 0)
+    page = pages.add_page(None, {}, 0)
     body = json.dumps(order)
     try:
-        answer = pages.hear(page, f"1.{Session(KEY, page.session.nonce).proof('1', body)}.{body}", 0)
+        answer = pages.answer_message(page, f"1.{Session(KEY, page.session.nonce).proof('1', body)}.{body}", 0)
     finally:
-        pages.leave(page)
+        pages.remove_page(page)
     assert answer["t"] == "answer" and "error" in answer
 
 
@@ -337,7 +337,7 @@ def test_no_order_of_the_shop_ends_the_agent(order):
     work = board.work
     work._parcel = SimpleNamespace(ask=lambda sha, parts: [None] * parts, drop=lambda: None, data=lambda: None, wrong=False)
     work._opener = Opener(KEY, SHOP, work._nonce)
-    work.order(escaped(SHOP, work._nonce, 1, order))
+    work.take_order(escaped(SHOP, work._nonce, 1, order))
     board.poll(1.0)
     assert work.how in (REST, FETCH)
     board.stop()
@@ -377,18 +377,18 @@ def test_a_slow_check_holds_no_other_job(tmp_path, monkeypatch):
     dispatcher = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or 0, look=lambda: looks.append([job.name for job in book.jobs(9) if job.state == "queued"]), complain=print)
     book = JobTable(tmp_path / "shop.sqlite")
     shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
-    other = book.add(b"G21\nM2\n", "other.nc", {"kind": "router_3axis"})[0]
+    other = book.add_jobs(b"G21\nM2\n", "other.nc", {"kind": "router_3axis"})[0]
 
     def dropped(name):
-        return shop.order({"do": "drop", "name": name, "text": "G21\nM2\n", "at": 0, "last": True, "kind": "router_3axis", "copies": 1, "tool": "T1"}, True)["error"]
+        return shop.answer_order({"do": "drop", "name": name, "text": "G21\nM2\n", "at": 0, "last": True, "kind": "router_3axis", "copies": 1, "tool": "T1"}, True)["error"]
 
     async def day():
         assert dropped("slow.nc") == 0
         await asyncio.to_thread(begun.wait, 120)
         assert dropped("next.nc") == 0
-        assert shop.order({"do": "again", "job": other}, True)["error"] == 0 and looks[-1].count("other.nc") == 2
-        assert shop.order({"do": "stop"}, False)["error"] == 0 and stops
-        assert [job["name"] for job in shop.state()["jobs"]].count("other.nc") == 2
+        assert shop.answer_order({"do": "again", "job": other}, True)["error"] == 0 and looks[-1].count("other.nc") == 2
+        assert shop.answer_order({"do": "stop"}, False)["error"] == 0 and stops
+        assert [job["name"] for job in shop.page_state()["jobs"]].count("other.nc") == 2
         may_end.set()
         while shop._tasks:
             await asyncio.sleep(0.01)

@@ -169,7 +169,7 @@ def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
     guarded.programs.append(board)
     assert board.stdout.readline() == "ready\n"
     book = JobTable(tmp_path / "shop.sqlite")
-    book.add(shop_load.program(77), "77.gcode", {"kind": shop_load.KIND})
+    book.add_jobs(shop_load.program(77), "77.gcode", {"kind": shop_load.KIND})
     dispatcher = Dispatcher(Broker("127.0.0.1", guarded.port, "shop", guarded.passwords["shop"], str(guarded.folder / "ca.crt")), key, book)
     try:
         agent = guarded.agent_as(
@@ -179,7 +179,7 @@ def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
         page = next(line[6:].strip().rstrip("/") for line in agent.stdout if line.startswith("page: "))
         person = MachinePage(page, (tmp_path / "page.key").read_text().strip())
         guarded.until(lambda: person.do("mill", "release").json()["text"] == "" or dispatcher.machines.get("mill", {}).get("how") not in ("rest", None))
-        guarded.until(lambda: book.counts().get("done") == 1)
+        guarded.until(lambda: book.count_states().get("done") == 1)
         guarded.until(lambda: guarded.told.get("passo/mill/language") == "grbl")
     finally:
         dispatcher.close()

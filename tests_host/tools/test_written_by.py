@@ -79,7 +79,7 @@ def test_the_panel_says_what_to_choose(tmp_path):
     settings = {100: "80", 101: "80", 102: "80", 110: "6000", 111: "6000", 112: "3000", 120: "500", 121: "500", 122: "300"}
     for name, text in (("c.nc", REFUSED["FreeCAD centroid"][1]), ("n.nc", "G21 G90\nG1 X1 F600\nM25\n"), ("g.nc", PROGRAMS["FreeCAD grbl"][1])):
         written(tmp_path, name, text)
-    about = [store.about(name, settings) for name in ("c.nc", "n.nc", "g.nc")]
+    about = [store.facts_of(name, settings) for name in ("c.nc", "n.nc", "g.nc")]
     assert [bool(found["refused"]) for found in about] == [True, True, False]
     assert REFUSED["FreeCAD centroid"][2] in about[0]["advice"] and about[1]["advice"] == "" and "advice" not in about[2]
 

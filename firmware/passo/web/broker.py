@@ -2,7 +2,7 @@
 
     broker = Broker(config, language, line.stop, umqtt.simple, text_of)     # calls stop() if a STOP comes; text_of(number of an alarm)
     broker.poll(now_ms)                         # True: the state is wanted
-    broker.tell(state)                          # bytes, JSON as pages get it
+    broker.publish_state(state)                 # bytes, JSON as pages get it
 
 micropython-lib's umqtt makes the packets (MQTT 3.1.1). It would wait for the network, and the main loop must not. So umqtt writes into a buffer (Wire),
 which poll() sends as the network takes it, and Wire gives umqtt the answers that it waits for at once; poll() checks the broker's real ones.
@@ -192,7 +192,7 @@ class Broker:
 
     # --- the topics
 
-    def tell(self, text):
+    def publish_state(self, text):
         if self._socket is None:
             return
         state = json.loads(text)

@@ -1,7 +1,7 @@
 """The files that a server sends: those of one folder, by names that are there. No text from a network reaches the file system.
 
     files = Folder("passo/web/page/")
-    files.find(b"/panel.js")    # (media type, lines of the head, path, start, bytes); None: there is no such file
+    files.find_file(b"/panel.js")    # (media type, lines of the head, path, start, bytes); None: there is no such file
 
 A board has most of them in one file, `pages.bin`, because each file takes a block of 4 kB of its flash: lines `NAME BYTES`, the last one
 empty, then the files one after the other, compressed with gzip. They are sent as they are; every browser takes that.
@@ -42,7 +42,7 @@ class Folder:
             start, size = self._packed[name]
             self._packed[name] = (start + head, size)
 
-    def find(self, path):
+    def find_file(self, path):
         try:
             name = path[1:].decode() or _FIRST
         except ValueError:
@@ -52,9 +52,9 @@ class Folder:
             start, size = self._packed[name]
             return kind, b"Content-Encoding: gzip\r\n", self.path + PACK, start, size
         if name in self._names:
-            return kind, b"", self.path + name, 0, self.size(name)
+            return kind, b"", self.path + name, 0, self.file_size(name)
         return None
 
-    def size(self, name):
+    def file_size(self, name):
         """Bytes of a file that is not packed."""
         return os.stat(self.path + name)[6]

@@ -1,9 +1,9 @@
 """The checks of each request, before the machine gets it.
 
     guard = Guard(names, key, nonce, own)
-    guard.admit(admitted, free)
-    guard.wrong(connection)             # the status that refuses it: a foreign Host or Origin, see known(); 0
-    guard.proven(connection, now_ms)    # True if it may move the machine
+    guard.set_admission(admitted, free)
+    guard.refusal_status(connection)    # the status that refuses it: a foreign Host or Origin, see is_own_request(); 0
+    guard.is_proven(connection, now_ms)    # True if it may move the machine
 
 A request proves that its sender has the key by the head's line `X-Passo: COUNT.PROOF`: PROOF is the HMAC-SHA256 of
 `NONCE.COUNT.METHOD PATH BODY`, see session.py. Each answer tells the nonce, which is another after each start, and the last count.
@@ -24,7 +24,7 @@ _PAUSE_MS = const(1000)
 _NONCE_BYTES = const(16)
 
 
-def known(host, origin, names, browser=False):
+def is_own_request(host, origin, names, browser=False):
     """True if a request's Host is of `names`, with a port or not, and its Origin is this server's page, or there is none. Bytes in small
     letters, or None. `browser`: it must have one, as a browser's WebSocket has."""
     if host is None or (host if host[-1:] == b"]" else host.rsplit(b":", 1)[0]) not in names:
@@ -32,7 +32,7 @@ def known(host, origin, names, browser=False):
     return not browser if origin is None else origin == b"http://" + host
 
 
-def nonce():
+def make_nonce():
     """A text that was never there before, from the system's random bytes."""
     return hexlify(urandom(_NONCE_BYTES)).decode()
 
@@ -50,20 +50,20 @@ class Guard:
         self._wrong = 0
         self._since_ms = 0
 
-    def admit(self, admitted, free, keyed=()):
+    def set_admission(self, admitted, free, keyed=()):
         """`admitted()`: True while who sends no proof is admitted; None: never. `free`: paths that want no proof; `keyed`: those that
         always want one, because no program of 2020 knows them."""
         self._admitted = admitted
         self._free = free
         self._keyed = keyed
 
-    def wrong(self, connection, browser=False):
-        return 0 if known(connection.host, connection.origin, self._names, browser) else 403
+    def refusal_status(self, connection, browser=False):
+        return 0 if is_own_request(connection.host, connection.origin, self._names, browser) else 403
 
-    def free(self, path):
+    def is_free(self, path):
         return path in self._free
 
-    def proven(self, connection, now_ms):
+    def is_proven(self, connection, now_ms):
         if not connection.proof:
             return self._admitted is not None and connection.path not in self._keyed and self._own(connection.peer) and self._admitted()
         if self._session is None:

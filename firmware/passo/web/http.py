@@ -4,7 +4,7 @@
     server.poll(now_ms)             # once a cycle
     request = server.read()         # polls, too; for the language: number, flags, path and body; b"" if there is none
     server.write(b"…")              # its answer: the number, and what it says
-    server.sockets[b"/ws"] = owner  # WebSockets: owner.open(), .heard() and .gone(), see page_line.py
+    server.sockets[b"/ws"] = owner  # WebSockets: owner.open(), .take_message() and .forget_connection(), see page_line.py
     server.calls[b"/stop"] = stop   # POST: stop(body) gives the answer, JSON
 
 Microdot and asyncio would take more memory than a Pico W has beside the machine, and a main loop of their own. This one does a
@@ -74,7 +74,7 @@ class Server:
         """The language of `link` answers requests: it says which paths, and its GETS begin with the one that is shown at / and pushed to
         pages; its PAGE is the file of the folder that stands behind each answer in HTML."""
         protocol = link.protocol
-        self._guard.admit(controller.features["admission"].admitted if self._legacy else None, protocol.FREE, protocol.KEYED)
+        self._guard.set_admission(controller.features["admission"].admitted if self._legacy else None, protocol.FREE, protocol.KEYED)
         self._posts, self._gets, self._page = protocol.POSTS, protocol.GETS, protocol.PAGE
 
     def any(self):
@@ -101,7 +101,7 @@ class Server:
                     connection.answer(200, b"application/json", data, more)
                 else:
                     body = _BEGIN + data + b"</pre>\n"
-                    connection.answer(200, b"text/html; charset=utf-8", body, more, self.files.path + self._page, 0, self.files.size(self._page))
+                    connection.answer(200, b"text/html; charset=utf-8", body, more, self.files.path + self._page, 0, self.files.file_size(self._page))
                 self.send(connection)
                 return
 
@@ -193,7 +193,7 @@ class Server:
                     connection.asked = False
                     if kind == PING:
                         self.send(connection, frame(PONG, data))
-                    elif kind == CLOSE or kind != PONG and not connection.owner.heard(connection, data, now_ms):
+                    elif kind == CLOSE or kind != PONG and not connection.owner.take_message(connection, data, now_ms):
                         raise OSError(0)
                 if connection.waits:
                     self.send(connection)
@@ -228,14 +228,14 @@ class Server:
             self.connections.remove(connection)
             connection.close()
             if connection.owner:
-                connection.owner.gone(connection)
+                connection.owner.forget_connection(connection)
 
     # --- a request that is whole
 
     def _answer_request(self, connection, now_ms):
         path = connection.path
         owner = self.sockets.get(path)
-        status = connection.wrong or self._guard.wrong(connection, owner and owner.browser)
+        status = connection.wrong or self._guard.refusal_status(connection, owner and owner.browser)
         if status:
             self._answer_status(connection, status)
         elif path in self._posts or path in self._gets:
@@ -258,7 +258,7 @@ class Server:
         self.send(connection, hello)
 
     def _answer_file(self, connection, path, now_ms):
-        found = self.files.find(path)
+        found = self.files.find_file(path)
         if not found and not (self._gets and path in (b"/", b"/EVENTS")):
             self._answer_status(connection, 404)
         elif connection.method != b"GET":
@@ -282,7 +282,7 @@ class Server:
         if (now_ms - self._second_ms) & COUNT_MASK >= 1000:
             self._second_ms = now_ms
             self._count = 0
-        free = self._guard.free(path)
+        free = self._guard.is_free(path)
         if not free:
             self._count += 1
         if len(self._requests) >= SLOTS + 1 or self._count > _MOST_S and not free:
@@ -291,7 +291,7 @@ class Server:
         self._number = self._number % (_PUSHED - 1) + 1
         connection.number = self._number
         flags = REQUEST_JSON if connection.json else 0
-        if not free and self._guard.proven(connection, now_ms):
+        if not free and self._guard.is_proven(connection, now_ms):
             flags |= REQUEST_PROVEN
         request = bytes((self._number, flags)) + path + b" " + connection.body
         if free:
@@ -304,7 +304,7 @@ class Server:
     def _refuse_older(self, connection, now_ms):
         """Refuse all proven requests that came before this STOP. If it has a proof, those still under way count as old, too."""
         if connection.proof:
-            self._guard.proven(connection, now_ms)
+            self._guard.is_proven(connection, now_ms)
         waiting, self._requests = self._requests, []
         for request in waiting:
             if request[1] & REQUEST_PROVEN:

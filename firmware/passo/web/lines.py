@@ -1,6 +1,6 @@
 """Links whose bytes come over the network: to the app they are serial lines.
 
-    lines = make(links, radio, legacy, clock_ms, page_line)     # {name of a link: its line}
+    lines = make_lines(links, radio, legacy, clock_ms, page_line)     # {name of a link: its line}
     line.join(link, controller)             # once there are both
     line.read(), line.write(data), line.any()
 
@@ -12,7 +12,7 @@ import sys
 
 from passo.records import NETWORK_PORTS
 from passo.web.files import Folder
-from passo.web.guard import Guard, nonce
+from passo.web.guard import Guard, make_nonce
 from passo.web.http import Server
 from passo.web.radio import Radio  # noqa: F401: for modules that make lines
 from passo.web.signed import SignedLine
@@ -21,7 +21,7 @@ _FROZEN = str(sys.modules["passo"].__path__).startswith(".frozen")  # options/ne
 _FOLDER = "/page/" if _FROZEN else __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
 
 
-def make(links, radio, legacy, clock_ms, page_line):
+def make_lines(links, radio, legacy, clock_ms, page_line):
     """The lines of the links over the network. `links`: of the board file; `legacy`: programs without the key may be admitted; `clock_ms()`:
     the links' clock; `page_line()`: the class of lines for pages."""
     lines = {}
@@ -29,7 +29,7 @@ def make(links, radio, legacy, clock_ms, page_line):
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
     server = None
     if listener:
-        guard = Guard(radio.names, radio.key, nonce(), radio.own)
+        guard = Guard(radio.names, radio.key, make_nonce(), radio.is_own_peer)
         server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard, clock_ms, legacy)
     for link in links:
         name = link["name"]

@@ -2,7 +2,7 @@
 
     pace = Pace()
     answer = pace.look({"do": "look", "every": 500})        # milliseconds; 0: only when more changes than positions
-    pace.due(version, now_ms)
+    pace.is_due(version, now_ms)
 
 A jog wants reports that are fresh (lease.py): a page that has them rarely asks for more of them before it moves the machine.
 """
@@ -10,7 +10,7 @@ A jog wants reports that are fresh (lease.py): a page that has them rarely asks 
 from micropython import const
 
 from passo import errors
-from passo.protocols.page.lease import elapsed_ms
+from passo.protocols.page.lease import ms_since
 
 _MOST_MS = const(10_000)
 _EARLY_MS = const(5)  # a report this near to its time goes now, not a push later
@@ -31,9 +31,9 @@ class Pace:
             self._told = None  # the next report comes at once
         return {"t": "answer", "do": "look", "error": 0 if good else errors.ORDER_FIELD}
 
-    def due(self, version, now_ms):
+    def is_due(self, version, now_ms):
         """Return whether the page gets the state now. `version`: another one if more than positions have changed: then at once."""
-        if version == self._told and (not self._every_ms or elapsed_ms(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
+        if version == self._told and (not self._every_ms or ms_since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
             return False
         self._told = version
         self._told_ms = now_ms

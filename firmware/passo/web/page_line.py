@@ -76,7 +76,7 @@ class PageLine:
             if number == ALL:
                 self._push_state(message[1], frame(TEXT, message[2:]))
                 if self._broker:
-                    self._broker.tell(message[2:])
+                    self._broker.publish_state(message[2:])
             elif number == TOLD:
                 self.pages.tell(frame(TEXT, message[2:]))
             else:
@@ -102,19 +102,19 @@ class PageLine:
                 continue  # it is slower than this: the next state is as good
             said = b"".join(page.told)
             page.told = []
-            if page.pace.due(version, now_ms):
+            if page.pace.is_due(version, now_ms):
                 said = state + said
             if said:
                 self._server.send(page.socket, said)
 
     def open(self, connection, now_ms):
         """A page has come. Return its first message; None: there are too many. One that has proven nothing makes room."""
-        if self.pages.full():
+        if self.pages.is_full():
             for page in self.pages.pages:
                 if not page.session.opened:
                     self._server.drop(page.socket)
                     break
-        page = connection.page = self.pages.enter(connection, self._language.hello(), now_ms)
+        page = connection.page = self.pages.add_page(connection, self._language.first_message(), now_ms)
         if page is None:
             return None
         page.number = FIRST + self._number
@@ -123,7 +123,7 @@ class PageLine:
         page.hello = None  # it has done its duty
         return hello
 
-    def heard(self, connection, data, now_ms):
+    def take_message(self, connection, data, now_ms):
         """A message. False: the page is to be closed. Raises ValueError if it is no text."""
         page = connection.page
         if page is None:
@@ -143,10 +143,10 @@ class PageLine:
         except ValueError:
             return None  # the language answers
 
-    def gone(self, connection):
+    def forget_connection(self, connection):
         page, connection.page = connection.page, None
         if page:
-            self.pages.leave(page)
+            self.pages.remove_page(page)
             self._messages.append((None, bytes((page.number, GONE))))
 
     def stop(self, *_):
@@ -154,7 +154,7 @@ class PageLine:
 
     def _stop_machine(self, body):
         """STOP by a request of its own: refuse the orders that pages sent before it."""
-        self.pages.overtake(body)
+        self.pages.refuse_older(body)
         self._messages = [message for message in [self._rest_after_stop(*message) for message in self._messages] if message]
         self._messages.insert(0, (None, bytes((FIRST + MOST, FREE)) + _STOP))
         return _STOPPED

@@ -2,19 +2,19 @@
 (host_tools/page/pages.py) and of a board's own (page_line.py).
 
     pages = Pages(key, most)
-    page = pages.enter(socket, hello, now_ms)       # None: there are too many. page.hello is the first message to it
+    page = pages.add_page(socket, hello, now_ms)       # None: there are too many. page.hello is the first message to it
     text, proven = pages.open(page, message, now_ms)    # of an order; text None: `proven` is the answer, None: the page is to be closed
     pages.tell(event)                               # with the next state
-    page.pace.due(version, now_ms)
-    pages.overtake(b"NONCE.COUNT")                  # a STOP has come beside a page's WebSocket
-    pages.leave(page)                               # its jog is to end
+    page.pace.is_due(version, now_ms)
+    pages.refuse_older(b"NONCE.COUNT")                  # a STOP has come beside a page's WebSocket
+    pages.remove_page(page)                         # its jog is to end
 """
 
 from micropython import const
 
 from passo import errors
 from passo.records import COUNT_MASK
-from passo.web.guard import WRONG, nonce
+from passo.web.guard import WRONG, make_nonce
 from passo.web.pace import Pace
 from passo.web.session import Session
 
@@ -56,23 +56,23 @@ class Pages:
         self._most = most
         self.pages = []
 
-    def full(self):
+    def is_full(self):
         return len(self.pages) >= self._most
 
-    def enter(self, socket, hello, now_ms, remote=False):
+    def add_page(self, socket, hello, now_ms, remote=False):
         """A new page; `hello`: the fields of its first message beside the nonce, a dict; `remote`: it is on another computer, and the board
         does not know that. None: there are too many.
         """
-        if self.full():
+        if self.is_full():
             return None
-        page = Page(socket, Session(self._key, nonce()), remote)
+        page = Page(socket, Session(self._key, make_nonce()), remote)
         page.hello = {"t": "hello", "nonce": page.session.nonce}
         page.hello.update(hello)
         page.second_ms = now_ms
         self.pages.append(page)
         return page
 
-    def leave(self, page):
+    def remove_page(self, page):
         if page in self.pages:
             self.pages.remove(page)
 
@@ -95,7 +95,7 @@ class Pages:
             return None, refusal_answer(errors.STOPPED)
         return text, True
 
-    def overtake(self, said):
+    def refuse_older(self, said):
         """Refuse the orders that a page sent before its STOP, which came by a way of its own and may be the quicker one. `said`: the
         page's nonce and how many orders it has sent, b"NONCE.COUNT". Any reader of the wire can send this: the barrier never falls, and
         stays within _UNDER_WAY of the last order that the page has proven."""

@@ -70,7 +70,7 @@ class Radio:
         name = self._config["host"].encode()
         self.names = Names(wlan, (name, name + b".local"))
 
-    def own(self, peer):
+    def is_own_peer(self, peer):
         """True if an address is of the board's own access point's network."""
         if not self._access:
             return False

@@ -26,7 +26,7 @@ class Hmac:
         self._inner = bytes([byte ^ 0x36 for byte in key])
         self._outer = bytes([byte ^ 0x5C for byte in key])
 
-    def hex(self, message):
+    def hex_digest(self, message):
         """Of bytes, as a text of hex digits."""
         inner = hashlib.sha256(self._inner)
         inner.update(message)
@@ -35,7 +35,7 @@ class Hmac:
         return hexlify(outer.digest()).decode()
 
 
-def same(one, other):
+def same_text(one, other):
     """True if two texts are equal; how long that takes says nothing of where they differ."""
     # As bytes: MicroPython keeps each letter taken out of a text as a name for good, and its table of names may grow by 1280 bytes.
     one, other = one.encode(), other.encode()
@@ -61,7 +61,7 @@ class Session:
         proof, _, body = rest.partition(".")
         if not count or len(count) > _DIGITS or [digit for digit in count.encode() if not 48 <= digit <= 57]:
             return None
-        if not same(proof, self._hmac.hex((self.nonce + "." + count + "." + body).encode())) or int(count) <= self.count:
+        if not same_text(proof, self._hmac.hex_digest((self.nonce + "." + count + "." + body).encode())) or int(count) <= self.count:
             return None
         self.count = int(count)
         self.opened = True
@@ -69,4 +69,4 @@ class Session:
 
     def proof(self, count, body):
         """The proof of a message, in hex; `count` as text."""
-        return self._hmac.hex((self.nonce + "." + count + "." + body).encode())
+        return self._hmac.hex_digest((self.nonce + "." + count + "." + body).encode())

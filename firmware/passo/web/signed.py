@@ -12,7 +12,7 @@ from micropython import const
 
 from passo import errors
 from passo.web.connection import AGAIN, READ, UNSENT
-from passo.web.guard import WRONG, nonce
+from passo.web.guard import WRONG, make_nonce
 from passo.web.session import Session
 from passo.web.websocket import TEXT, frame
 
@@ -115,7 +115,7 @@ class SignedLine:
     def _begin_session(self):
         """A new session in the place of the one before. Return its first bytes for the other end."""
         self._drop_connection()
-        self._session = Session(self._key, nonce())
+        self._session = Session(self._key, make_nonce())
         return b"[PASSO:%s]\r\n" % self._session.nonce.encode()
 
     # --- as a WebSocket: see http.py
@@ -127,12 +127,12 @@ class SignedLine:
         self._connection = connection
         return frame(TEXT, greeting)
 
-    def heard(self, connection, data, now_ms):
+    def take_message(self, connection, data, now_ms):
         if len(self._said) + len(data) <= UNSENT:
             self._said += self._parse_bytes(data)
         return connection is self._connection
 
-    def gone(self, connection):
+    def forget_connection(self, connection):
         if connection is self._connection:
             self._connection = None
             self._drop_connection()
@@ -154,13 +154,13 @@ class SignedLine:
                 if len(self._line) <= _LINE:
                     self._line += bytes((byte,))
             else:
-                said += self._signed_body(self._line.rstrip(b"\r"))
+                said += self._body_of(self._line.rstrip(b"\r"))
                 self._line = b""
                 if self._session is None:
                     break
         return said
 
-    def _signed_body(self, line):
+    def _body_of(self, line):
         """Return the body of a whole line that is signed, or b""."""
         try:
             body = self._session.open(line.decode()) if len(line) <= _LINE else None

@@ -140,13 +140,13 @@ def request(proof=b"", peer="192.168.4.2", fields=b"", path=b"/ON", body=b""):
 
 def proof(count, text=b"POST /ON ", key=KEY):
     signed = b"%s.%d.%s" % (NONCE.encode(), count, text)
-    return b"%d.%s" % (count, Hmac(key.encode()).hex(signed).encode())
+    return b"%d.%s" % (count, Hmac(key.encode()).hex_digest(signed).encode())
 
 
 def check_hmac():
     """RFC 4231, cases 2 and 6."""
-    assert Hmac(b"Jefe").hex(b"what do ya want for nothing?").find("5bdcc146bf60754e6a042426089575c7") == 0
-    long = Hmac(b"\xaa" * 131).hex(b"Test Using Larger Than Block-Size Key - Hash Key First")
+    assert Hmac(b"Jefe").hex_digest(b"what do ya want for nothing?").find("5bdcc146bf60754e6a042426089575c7") == 0
+    long = Hmac(b"\xaa" * 131).hex_digest(b"Test Using Larger Than Block-Size Key - Hash Key First")
     assert long.find("60e431591ee0b67f0d8a26aacbf5b77f") == 0
     assert hashlib.sha256(b"").digest()[:2] == b"\xe3\xb0"
 
@@ -242,7 +242,7 @@ def line_of(count, body):
 
     def proven(nonce):
         signed = b"%s.%d.%s" % (nonce, count, body)
-        return b"%d.%s.%s\n" % (count, Hmac(KEY.encode()).hex(signed).encode(), body)
+        return b"%d.%s.%s\n" % (count, Hmac(KEY.encode()).hex_digest(signed).encode(), body)
 
     return proven
 

@@ -95,7 +95,7 @@ def check_an_access_point():
         if chip == "rp2040":
             assert wlan.done[0] == wanted, "it is never open, not for a moment"
         wlan.address = "192.168.4.1"
-        assert started.radio.own("192.168.4.7") and not started.radio.own("192.168.1.7") and not started.radio.own("10.192.168.4")
+        assert started.radio.is_own_peer("192.168.4.7") and not started.radio.own("192.168.1.7") and not started.radio.own("10.192.168.4")
         for name, known in ((b"passo", True), (b"passo.local", True), (b"192.168.4.1", True), (b"192.168.4.2", False), (b"evil.example", False)):
             assert (name in started.radio.names) == known, name
         assert started.radio.key == ACCESS["key"]
@@ -109,7 +109,7 @@ def check_a_station():
         assert b"192.168.1.20" not in started.radio.names
         wlan.address = "192.168.1.20"  # which it gets late
         assert b"192.168.1.20" in started.radio.names and b"passo.local" in started.radio.names
-        assert not started.radio.own("192.168.1.7"), "a foreign network's neighbours are not its own"
+        assert not started.radio.is_own_peer("192.168.1.7"), "a foreign network's neighbours are not its own"
 
 
 def check_the_radio_stays_off():
@@ -121,7 +121,7 @@ def check_the_radio_stays_off():
     ):  # fmt: skip
         started = Started(written)
         assert not started.network.made and started.network.named is None, written
-        assert started.radio.listen("http") is None and started.radio.key is None and not started.radio.own("192.168.4.2")
+        assert started.radio.listen("http") is None and started.radio.key is None and not started.radio.is_own_peer("192.168.4.2")
 
 
 def check_it_listens():

@@ -87,7 +87,7 @@ class Keyed:
         if self.nonce:
             self.count += 1
             signed = f"{self.nonce}.{self.count}.POST {path} {body}"
-            headers["X-Passo"] = f"{self.count}.{Hmac(self.key.encode()).hex(signed.encode())}"
+            headers["X-Passo"] = f"{self.count}.{Hmac(self.key.encode()).hex_digest(signed.encode())}"
         answer = requests.post(self.url + path, data=body, headers=headers, timeout=LIMIT_S)
         if answer.status_code == 503:  # too many in this second: again
             time.sleep(0.1)
@@ -150,19 +150,19 @@ def test_a_stop_that_overtakes_an_order():
 class Proven:
     """A guard that takes everybody for proven, but for STOP."""
 
-    def admit(self, *_):
+    def set_admission(self, *_):
         pass
 
-    def wrong(self, connection, browser):
+    def refusal_status(self, connection, browser):
         return 0
 
     def headers(self):
         return b""
 
-    def free(self, path):
+    def is_free(self, path):
         return path in (b"/HALT", b"/INFO")
 
-    def proven(self, connection, now_ms):
+    def is_proven(self, connection, now_ms):
         return True
 
 

@@ -34,12 +34,12 @@ class StoredJobs:
         self._name = ""  # of the upload under way
         self._sent = self._size = 0
         self._closing = self._ran = False
-        machine.keep_jobs(self._carry_out, self._take_event)
+        machine.add_stored_jobs(self._carry_out, self._take_event)
 
     def _carry_out(self, order):
         machine = self._machine
         what = text_field(order, "what", 8)
-        error = machine.refusal() or machine.still() or (errors.BUSY if self._closing else 0)
+        error = machine.refusal() or machine.busy_error() or (errors.BUSY if self._closing else 0)
         if error:
             return error
         if what == "list":
@@ -58,7 +58,7 @@ class StoredJobs:
         return self._end_upload() if what == "end" else errors.UNKNOWN_COMMAND
 
     def _queue_job_command(self, what, target=None, answered=None):
-        return self._machine.do(Command(commands.JOB, target, what), answered or self._ignore_answer)
+        return self._machine.queue_command(Command(commands.JOB, target, what), answered or self._ignore_answer)
 
     def _ignore_answer(self, error):
         """The answer to the order says so."""

@@ -53,10 +53,10 @@ def create(language, link, number, board, controller, shared, most):
 
 def serials(board, port):
     """The serial line of each link of the board file. Raises BoardError."""
-    from passo.web.lines import Radio, make
+    from passo.web.lines import Radio, make_lines
 
     radio = port.radio if hasattr(port, "radio") else Radio(board["network"])
-    networked = make(board["links"], radio, board["network"]["legacy_http"], port.link_ms, _page_line)
+    networked = make_lines(board["links"], radio, board["network"]["legacy_http"], port.link_ms, _page_line)
     if board["network"]["broker"]:
         _join_broker(board, networked)
     return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]

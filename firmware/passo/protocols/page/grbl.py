@@ -75,12 +75,12 @@ class GrblPage(PageMachine):
     def pending(self):
         return self.said or self._line or self._spoken.pending()
 
-    def answered(self, event):
+    def take_answer(self, event):
         said = b"" if [1 for each in self.unanswered if each[0] is event.command] else self._spoken.reply(event)
         if not said:
             if event.kind == commands.REFUSED:
                 self._gcode.forget()
-            return PageMachine.answered(self, event)
+            return PageMachine.take_answer(self, event)
         error = 0
         lines = bytes(said).decode().split("\r\n")  # a report is a part of a buffer
         values = "\n".join([line for line in lines if line[:1] in ("$", "<")])  # $$ and ?, in one message
@@ -90,13 +90,13 @@ class GrblPage(PageMachine):
             if line == "ok" or line[:6] == "error:":
                 self._typing = False
                 error = int(line[6:] or 0)
-                self.finished(error)
+                self.note_result(error)
                 self._tell({"t": "said", "text": line})
             elif line[:1] == "[":
                 self._tell({"t": "said", "text": line})
         return error
 
-    def pushed(self, event):
+    def take_event(self, event):
         said = self._spoken.push(event)
         if event.kind == NOTICE and event.error == errors.NOTICE_PAUSE:
             self.state["why"] = "pause"
@@ -108,7 +108,7 @@ class GrblPage(PageMachine):
             self._tell({"t": "said", "text": said.decode().strip()})
         elif said[:1] == b"[" and (self._typing or self.unanswered):
             self._tell({"t": "said", "text": said.decode().strip()})
-        PageMachine.pushed(self, event)
+        PageMachine.take_event(self, event)
 
     def drop(self, event):
         said = self._spoken.drop(event)
@@ -159,7 +159,7 @@ class GrblPage(PageMachine):
     def _follow_settings(self, settings):
         """See _take_settings()."""
 
-    def told_settings(self):
+    def settings_texts(self):
         return self.settings
 
     def _take_settings(self):
@@ -175,19 +175,19 @@ class GrblPage(PageMachine):
         self.said = []
         self._line = b""
         self.drop_jog()
-        return self.do(Command(commands.RESET))
+        return self.queue_command(Command(commands.RESET))
 
     def home(self):
         return self._reset_before(lambda: self._queue_line("$H"))
 
     def unlock(self):
-        return self._reset_before(lambda: self.do(Command(commands.UNLOCK)))
+        return self._reset_before(lambda: self.queue_command(Command(commands.UNLOCK)))
 
     def _reset_before(self, say):
         """Of an alarm that only a reset ends, reset the board first, and say it behind that."""
         if self._record.alarm not in errors.NEED_RESET:
             return say()
-        return self.do(Command(commands.RESET), lambda error: say())
+        return self.queue_command(Command(commands.RESET), lambda error: say())
 
     def _queue_line(self, line):
         """A line of the page's link."""
@@ -197,44 +197,44 @@ class GrblPage(PageMachine):
         self._line = line.encode() + b"\n"
         return 0
 
-    def zero(self, axes):
+    def set_work_zero(self, axes):
         """Work zero of the axes named is here."""
-        return self.still() or self._queue_line("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
+        return self.busy_error() or self._queue_line("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
 
-    def output(self, name, rpm):
+    def set_output(self, name, rpm):
         word = OUTPUTS.get(name)
         if word is None:
             return errors.NUMBER
-        return self.still() or self._queue_line(word + ("S%d" % rpm if name[:9] == "spindle_c" else ""))
+        return self.busy_error() or self._queue_line(word + ("S%d" % rpm if name[:9] == "spindle_c" else ""))
 
-    def set(self, number, text):
-        return self.still() or self._queue_line("$%d=%s" % (number, text))
+    def set_setting(self, number, text):
+        return self.busy_error() or self._queue_line("$%d=%s" % (number, text))
 
-    def line(self, text):
-        return self.still() or self._queue_line(text)
+    def run_line(self, text):
+        return self.busy_error() or self._queue_line(text)
 
-    def override(self, what, to):
+    def set_override(self, what, to):
         command = override_of(what, to)
-        return self.do(command) if command else errors.NUMBER
+        return self.queue_command(command) if command else errors.NUMBER
 
-    def go(self, position, speed):
+    def go_to(self, position, speed):
         """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
-        return self.still() or self._jog_to(position, speed, _WORK)
+        return self.busy_error() or self._jog_to(position, speed, _WORK)
 
-    def step(self, way, speed):
+    def step_by(self, way, speed):
         """{axis: mm} from here."""
-        return self.still() or self._jog_to(way, speed, _HERE)
+        return self.busy_error() or self._jog_to(way, speed, _HERE)
 
     def _jog_to(self, position, speed, counted, answered=None):
         """A jog to {axis: mm}; `counted`: from where."""
         nm = {AXES.find(axis): round(position[axis] * 1000) * _NM for axis in position}
         error = self._gcode.jog_to(nm, (round(speed * 10) * 100_000 + 30) // 60, counted)
-        return error or self.do(self._gcode.commands[0], answered)
+        return error or self.queue_command(self._gcode.commands[0], answered)
 
     # --- the jog
 
     def _brake(self):
-        self.do(Command(commands.JOG_CANCEL))
+        self.queue_command(Command(commands.JOG_CANCEL))
 
     def _limits(self):
         axes = range(len(self.position))

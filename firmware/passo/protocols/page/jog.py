@@ -61,7 +61,7 @@ class Jog:
         target = [self._start[axis] + self._way[axis] * (self._said_mm + piece) for axis in range(len(self._way))]
         self.waiting = self._say(target, self._speed)
 
-    def answered(self, error):
+    def take_answer(self, error):
         """The board's answer to the last piece; `error` 0: taken. Refused pieces become shorter, up to the limit of the travel."""
         self.waiting = False
         if not error:

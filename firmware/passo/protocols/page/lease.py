@@ -3,7 +3,7 @@
     lease = Lease()
     lease.begin(7, beat, now_ms)    # a number higher than any before
     lease.renew(7, beat, now_ms)    # False: it has ended, whatever comes late
-    lease.alive(now_ms)
+    lease.is_alive(now_ms)
 
 `beat` is the number of the newest report that the holder has seen. A message whose sender has seen only reports older than FRESH_MS was
 held up on its way, and counts for nothing: a burst that a network lets go late moves nothing.
@@ -19,7 +19,7 @@ _BEATS = const(16)  # times of beats that are kept
 _HALF = const(0x10000000)
 
 
-def elapsed_ms(now_ms, then_ms):
+def ms_since(now_ms, then_ms):
     """Milliseconds from then to now, of a clock modulo 2²⁹."""
     return (now_ms - then_ms) & COUNT_MASK
 
@@ -41,7 +41,7 @@ class Lease:
         """True if report `number` was sent within FRESH_MS."""
         for beat, ms in self._beats:
             if beat == number:
-                return elapsed_ms(now_ms, ms) <= FRESH_MS
+                return ms_since(now_ms, ms) <= FRESH_MS
         return False
 
     def begin(self, number, beat, now_ms):
@@ -67,6 +67,6 @@ class Lease:
 
     def is_alive(self, now_ms):
         """Whether it lasts. Once it does not, it has ended for good."""
-        if self._held and elapsed_ms(self._until_ms, now_ms) >= _HALF:
+        if self._held and ms_since(self._until_ms, now_ms) >= _HALF:
             self._held = False
         return self._held

@@ -1,7 +1,7 @@
 """The orders of a page: an order as a dict in, an answer as a dict out. The only code that checks orders from a network.
 
     orders = Orders(machine)
-    orders.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
+    orders.answer_order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
 
 Orders of one language come from its machine (`orders`), which checks them with the functions of this module. STOP needs no proof. All
 other orders that act want a session that has proven its key; those that only read do not. A PC adds jobs that are streamed, teach-in and
@@ -93,16 +93,16 @@ class Orders:
             "jobs": self._order_jobs, "abort": self._order_abort, "log": self._order_log, "settings": self._order_settings, "play": self._order_play,
         }  # fmt: skip
 
-    def can(self):
+    def page_orders(self):
         """Return the orders that a page may give."""
         return list(self.machine.can)
 
-    def hello(self):
+    def first_message(self):
         """Return a page's first message, a dict."""
         machine = self.machine
-        return {"can": self.can(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
+        return {"can": self.page_orders(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
 
-    def order(self, order, proven):
+    def answer_order(self, order, proven):
         """The answer to an order. `proven`: its session has the key."""
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
@@ -131,7 +131,7 @@ class Orders:
         return self.machine.refusal() or self.machine.resume()
 
     def _order_home(self, order):
-        return self.machine.refusal() or self.machine.still() or self.machine.home()
+        return self.machine.refusal() or self.machine.busy_error() or self.machine.home()
 
     def _order_unlock(self, order):
         return self.machine.refusal() or self.machine.unlock()
@@ -140,17 +140,17 @@ class Orders:
         axes = text_field(order, "axes", 4)
         if not axes or [axis for axis in axes if axis not in self.machine.axes]:
             raise Wrong("axes")
-        return self.machine.refusal() or self.machine.zero(axes)
+        return self.machine.refusal() or self.machine.set_work_zero(axes)
 
     def _order_goto(self, order):
         position = positions_field(order, "to", self.machine.axes)
         speed = number_field(order, "speed", 0.1, _MOST_SPEED)
-        return self.machine.refusal(by_hand=True) or self.machine.go(position, speed)
+        return self.machine.refusal(by_hand=True) or self.machine.go_to(position, speed)
 
     def _order_step(self, order):
         way = positions_field(order, "by", self.machine.axes)
         speed = number_field(order, "speed", 0.1, _MOST_SPEED)
-        return self.machine.refusal(by_hand=True) or self.machine.step(way, speed)
+        return self.machine.refusal(by_hand=True) or self.machine.step_by(way, speed)
 
     def _order_jog(self, order):
         lease = number_field(order, "lease", 1, _MOST_NUMBER)
@@ -167,36 +167,36 @@ class Orders:
     def _order_keep(self, order):
         lease = number_field(order, "lease", 1, _MOST_NUMBER)
         beat = number_field(order, "beat", 0, _MOST_NUMBER)
-        return 0 if self.machine.renew(lease, beat) else errors.LEASE
+        return 0 if self.machine.renew_jog(lease, beat) else errors.LEASE
 
     def _order_release(self, order):
         self.machine.end_jog()
         return 0
 
     def _order_override(self, order):
-        return self.machine.refusal() or self.machine.override(text_field(order, "what", 8), text_field(order, "to", 4))
+        return self.machine.refusal() or self.machine.set_override(text_field(order, "what", 8), text_field(order, "to", 4))
 
     def _order_output(self, order):
         rpm = number_field(order, "rpm", 0, 1_000_000, 0)
-        return self.machine.refusal() or self.machine.output(text_field(order, "name", 16), rpm)
+        return self.machine.refusal() or self.machine.set_output(text_field(order, "name", 16), rpm)
 
     def _order_line(self, order):
-        return self.machine.refusal() or self.machine.line(text_field(order, "line", _LINE))
+        return self.machine.refusal() or self.machine.run_line(text_field(order, "line", _LINE))
 
     def _order_give(self, order):
-        return self.machine.give("guest" if order.get("to") == "guest" else "page")
+        return self.machine.hand_over("guest" if order.get("to") == "guest" else "page")
 
     # --- settings and log
 
     def _order_settings(self, order):
-        return {"t": "settings", "axes": self.machine.axes, "settings": self.machine.told_settings()}
+        return {"t": "settings", "axes": self.machine.axes, "settings": self.machine.settings_texts()}
 
     def _order_set(self, order):
         which = number_field(order, "number", 0, 999)
         if which != int(which):
             raise Wrong("number")
         value = number_field(order, "value", -1e9, 1e9)
-        return self.machine.refusal() or self.machine.set(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
+        return self.machine.refusal() or self.machine.set_setting(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
 
     def _order_log(self, order):
         return {"t": "log", "log": self.machine.log(), "all": True}

@@ -1,7 +1,7 @@
 """The machine behind a page: orders become commands, the machine's report becomes the state that is shown.
 
     machine = PlotterPage(record, number, board, tell)
-    machine.step({"x": 1.0}, 500)       # 0, or a number of errors; what is to be done waits in machine.said
+    machine.step_by({"x": 1.0}, 500)       # 0, or a number of errors; what is to be done waits in machine.said
     machine.report(report, now_ms)      # the machine's own, as any language has it
     machine.state
 
@@ -15,7 +15,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.jog import Jog, Limits
-from passo.protocols.page.lease import Lease, elapsed_ms
+from passo.protocols.page.lease import Lease, ms_since
 from passo.protocols.setting_lines import decimal, thousandths
 
 _MOST_LOG = const(100)
@@ -73,14 +73,14 @@ class PageMachine:
 
     # --- commands
 
-    def do(self, command, answered=None):
+    def queue_command(self, command, answered=None):
         """Have a command carried out after those before it; answered(error), or else all pages get a refusal."""
         self.said.append((command, answered))
         return 0
 
     def _queue_pair(self, first, second):
         """Have `second` carried out once `first` has been: which may drop commands given after it."""
-        return self.do(first, lambda error: self.finished(error) if error else self.do(second))
+        return self.queue_command(first, lambda error: self.note_result(error) if error else self.queue_command(second))
 
     def pending(self):
         return self.said
@@ -92,7 +92,7 @@ class PageMachine:
             self.unanswered.append(said)
             yield said[0]
 
-    def answered(self, event):
+    def take_answer(self, event):
         """Take the answer to a command. Returns its error."""
         command = event.command
         error = event.error if event.kind == commands.REFUSED else 0
@@ -105,13 +105,13 @@ class PageMachine:
                 if said[1]:
                     said[1](error)
                 elif error:
-                    self.finished(error)
+                    self.note_result(error)
                 return error
         if error and not heard:
-            self.finished(error)
+            self.note_result(error)
         return error
 
-    def keep_jobs(self, order, heard):
+    def add_stored_jobs(self, order, heard):
         """The board stores jobs: `order` of them, and `heard(event)`, what comes of it."""
         self.orders["stored"] = order
         self.kinds[commands.JOB] = heard
@@ -125,7 +125,7 @@ class PageMachine:
 
     # --- what the machine says
 
-    def now(self, now_ms):
+    def refresh_state(self, now_ms):
         """Look at the clock and at the machine: an order counts on the present state. A jog that nobody holds any more ends."""
         record = self._record
         commander = record.commander if record.lender < 0 else record.lender
@@ -134,9 +134,9 @@ class PageMachine:
         self.state["alarm"] = record.alarm
         self._now_ms = now_ms
         if self.jog.active:
-            self.go_on(now_ms)
+            self.update_jog(now_ms)
 
-    def go_on(self, now_ms):
+    def update_jog(self, now_ms):
         """It is `now_ms`: a jog that nobody holds any more ends."""
         self._now_ms = now_ms
         if self.jog.active and not self.lease.is_alive(now_ms):
@@ -166,9 +166,9 @@ class PageMachine:
         """Take changed settings over, with steps/mm, and send them to all pages."""
         self.scale = [resolution / 1000 for resolution in self._record.steps_per_m[: len(self.scale)]]
         self.travel = travel_of(self._board) if self.travel else None
-        self._tell({"t": "settings", "axes": self.axes, "settings": self.told_settings()})
+        self._tell({"t": "settings", "axes": self.axes, "settings": self.settings_texts()})
 
-    def told_settings(self):
+    def settings_texts(self):
         """{number: value as text}; made when it is asked for, to save memory."""
         settings = self._record.settings
         return {number: decimal(settings.value(number), settings.places(number)) for number in settings.numbers} if settings else {}
@@ -177,7 +177,7 @@ class PageMachine:
         """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
         axes = range(len(self.scale))
         self.position = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
-        passed = elapsed_ms(self._now_ms, self._measured_ms)
+        passed = ms_since(self._now_ms, self._measured_ms)
         if self._measured and passed:
             far = sum([((steps[axis] - self._measured[axis]) / self.scale[axis]) ** 2 for axis in axes]) ** 0.5
             self.state["feed"] = round(far * 60_000 / passed)
@@ -188,14 +188,14 @@ class PageMachine:
         """Send the last refusal to all pages, of a machine that logs refusals and has no answers."""
         error = report["error"]
         if error and error != self._refused and error not in self.untold and not self._record.alarm:
-            self.note(error)
+            self.log_error(error)
         self._refused = 0
 
-    def pushed(self, event):
+    def take_event(self, event):
         """Take an event that the machine sends unasked."""
         if event.kind == commands.ALARM:
             self.drop_jog()
-            self.note(event.error)
+            self.log_error(event.error)
         elif event.kind == commands.DROPPED or event.kind == commands.RESTARTED:
             PageMachine.drop(self, event)
 
@@ -209,16 +209,16 @@ class PageMachine:
 
     # --- messages to pages
 
-    def beat(self, number):
+    def note_beat(self, number):
         """Report `number` goes out to the pages."""
         self.lease.note_beat(number, self._now_ms)
 
-    def shown(self):
+    def page_state(self):
         """The state that pages get."""
         self.state["lease"] = self.lease.number
         return self.state
 
-    def note(self, number):
+    def log_error(self, number):
         """A line of the page's log: alarms and refusals."""
         self._log.append(number)
         if len(self._log) > _MOST_LOG:
@@ -229,11 +229,11 @@ class PageMachine:
         """Numbers of errors and alarms, the oldest first."""
         return list(self._log)
 
-    def finished(self, error):
+    def note_result(self, error):
         """An order has been answered: send a refusal to all pages."""
         self._refused = error
         if error > 0:
-            self.note(error)
+            self.log_error(error)
 
     # --- orders
 
@@ -245,11 +245,11 @@ class PageMachine:
             return errors.COMMANDED_ELSEWHERE
         return errors.LOCKED if by_hand and self.state["state"] == "Alarm" else 0
 
-    def stands(self):
+    def is_at_rest(self):
         """True if nothing moves, as far as is known."""
         return self.state["state"] in self.stood
 
-    def still(self):
+    def busy_error(self):
         """0, or why something may not begin."""
         if self.jog.active or self.state["state"] not in self.stood or [1 for command, _ in self.unanswered if command.kind != commands.JOB]:
             return errors.BUSY
@@ -259,24 +259,24 @@ class PageMachine:
         """Stop at once, for any page."""
         self.drop_jog()
         self.said = []
-        return self.do(Command(commands.STOP))
+        return self.queue_command(Command(commands.STOP))
 
     def hold(self):
         self.end_jog()
-        return self.do(Command(commands.HOLD))
+        return self.queue_command(Command(commands.HOLD))
 
     def resume(self):
-        return self.do(Command(commands.RESUME))
+        return self.queue_command(Command(commands.RESUME))
 
     def home(self):
-        return self.do(Command(commands.HOME))
+        return self.queue_command(Command(commands.HOME))
 
     def unlock(self):
-        return self.do(Command(commands.UNLOCK))
+        return self.queue_command(Command(commands.UNLOCK))
 
-    def give(self, owner):
+    def hand_over(self, owner):
         """Hand the command over, at rest: to this page's link, or to the board file's first."""
-        return self.do(Command(commands.HAND_OVER, value=1 if owner == "guest" else 0))
+        return self.queue_command(Command(commands.HAND_OVER, value=1 if owner == "guest" else 0))
 
     def abort(self):
         """Come to a stand, and give up the job that is streamed: there is none."""
@@ -286,14 +286,14 @@ class PageMachine:
         """The language has no word for it."""
         return errors.UNKNOWN_COMMAND
 
-    zero = go = step = override = output = line = play = run = _refuse_order
+    set_work_zero = go_to = step_by = set_override = set_output = run_line = play = run = _refuse_order
 
-    def set(self, number, text):
+    def set_setting(self, number, text):
         """Set and keep a setting, of a board's own page."""
         if not self._record.settings:
             return errors.UNKNOWN_COMMAND
         value = thousandths(text)
-        return errors.NUMBER if value is None else self.still() or self.do(Command(commands.SETTING, number, value))
+        return errors.NUMBER if value is None else self.busy_error() or self.queue_command(Command(commands.SETTING, number, value))
 
     def _steps_by(self, way):
         """The way {axis: mm} in steps."""
@@ -320,7 +320,7 @@ class PageMachine:
     def _start_jog(self, direction, speed):
         self.jog.begin(direction, speed, self._limits(), self.position)
 
-    def renew(self, number, beat):
+    def renew_jog(self, number, beat):
         return self.lease.renew(number, beat, self._now_ms)
 
     def end_jog(self):
@@ -351,11 +351,11 @@ class PageMachine:
             self.jog.waiting = False
             self._brake()  # the first one may have overtaken this piece
         elif error == errors.JOG_TRAVEL or not error:
-            self.jog.answered(error)
+            self.jog.take_answer(error)
             if not self.jog.active:  # at the end of the travel
                 self.lease.end()
-                self.finished(error)
+                self.note_result(error)
         else:
             self.jog.waiting = False
             self.end_jog()
-            self.finished(error)
+            self.note_result(error)

@@ -61,25 +61,25 @@ class PlotterPage(PageMachine):
 
     def _set_pace(self, order):
         """The drawing speed, in the unit of the board file."""
-        return self.refusal() or self.still() or self.do(Command(commands.SPEED, value=int(number_field(order, "speed", 1, MOST_PLACE))))
+        return self.refusal() or self.busy_error() or self.queue_command(Command(commands.SPEED, value=int(number_field(order, "speed", 1, MOST_PLACE))))
 
     def _move_pen(self, wanted):
         """Go to a position in steps, pen up: an object of one point."""
-        error = self.still()
+        error = self.busy_error()
         if error:
             return error
         if [axis for axis in range(2) if not 0 <= wanted[axis] <= self._travel[axis]]:
             return errors.JOG_TRAVEL
-        self.do(Command(commands.POINT, tuple(wanted)))
-        return self.do(Command(commands.DRAW))
+        self.queue_command(Command(commands.POINT, tuple(wanted)))
+        return self.queue_command(Command(commands.DRAW))
 
-    def step(self, way, speed):
+    def step_by(self, way, speed):
         """{axis: mm} from here."""
         if self._steps is None:
             return errors.BUSY
         return self._move_pen([at + by for at, by in zip(self._steps, self._steps_by(way))])
 
-    def go(self, position, speed):
+    def go_to(self, position, speed):
         """{axis: mm}."""
         if self._steps is None:
             return errors.BUSY
@@ -101,10 +101,10 @@ class PlotterPage(PageMachine):
             return
         if error:
             self.drop_jog()
-            self.finished(error)
+            self.note_result(error)
         else:
-            self.do(Command(commands.JOG, self._way), self._repeat_jog)
+            self.queue_command(Command(commands.JOG, self._way), self._repeat_jog)
 
     def _brake(self):
         self.said = []
-        self.do(Command(commands.STOP))
+        self.queue_command(Command(commands.STOP))

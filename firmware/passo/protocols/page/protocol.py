@@ -18,7 +18,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import ACCEPTED, HELLO, STATUS, Command, Event
-from passo.protocols.page.lease import elapsed_ms
+from passo.protocols.page.lease import ms_since
 from passo.protocols.page.orders import Orders, order_of
 from passo.records import COUNT_MASK
 
@@ -53,7 +53,7 @@ class Page:
         self._jobs = None
         self._machine = machine_of(self.tell)
         self._orders = Orders(self._machine)
-        self.hello = self._orders.hello  # hello(): a page's first message, a dict
+        self.first_message = self._orders.first_message  # hello(): a page's first message, a dict
 
     def add_jobs(self, jobs_of):
         """The board stores jobs."""
@@ -70,7 +70,7 @@ class Page:
         machine = self._machine
         if not data and not (machine.jog.active or self._messages or machine.pending()):
             return ()
-        machine.now(now_ms)
+        machine.refresh_state(now_ms)
         if not data:
             return self._new_commands(now_ms)
         number, what = data[0], data[1]
@@ -101,7 +101,7 @@ class Page:
         else:
             if proven and isinstance(order, dict) and order.get("do") in self._machine.from_here:
                 yield self._status
-            answer = self._orders.order(order, proven)
+            answer = self._orders.answer_order(order, proven)
             for command in self._machine.commands():
                 self._ordered = command
                 yield command
@@ -119,7 +119,7 @@ class Page:
     def _new_commands(self, now_ms):
         """Yield the new commands, and those of a jog."""
         machine = self._machine
-        if machine.jog.active and elapsed_ms(now_ms, self._asked_ms) >= _JOG_ASK_MS:
+        if machine.jog.active and ms_since(now_ms, self._asked_ms) >= _JOG_ASK_MS:
             self._asked_ms = now_ms
             yield self._status
         for command in machine.commands():
@@ -134,7 +134,7 @@ class Page:
         if command is self._status:
             self._show_report(event.value)
         elif command is not self._hello:
-            error = self._machine.answered(event)
+            error = self._machine.take_answer(event)
             if command is self._ordered:
                 self._refused = self._refused or error
             return b""
@@ -143,7 +143,7 @@ class Page:
 
     def push(self, event):
         """Take an event; the next feed() brings it to the pages."""
-        self._machine.pushed(event)
+        self._machine.take_event(event)
         return b""
 
     def drop(self, event):
@@ -159,8 +159,8 @@ class Page:
             return
         self._wanted = False
         self._beat = self._beat % COUNT_MASK + 1
-        machine.beat(self._beat)
-        state = machine.shown()
+        machine.note_beat(self._beat)
+        state = machine.page_state()
         state["t"] = "state"
         state["beat"] = self._beat
         state["pages"] = self._pages

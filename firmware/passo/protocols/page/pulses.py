@@ -88,14 +88,14 @@ class PulsesPage(PageMachine):
             return errors.TRAVEL
         if [part for part in steps if part]:
             self._cut = self._releasing = False
-        return self.do(Command(commands.STEP_PROGRAM, steps, commands.STEPS_JOG), answered)
+        return self.queue_command(Command(commands.STEP_PROGRAM, steps, commands.STEPS_JOG), answered)
 
     def _hold_released(self, error):
         """A machine says that it holds some steps before it stands, and is busy until then: ask again behind its next report."""
         if error == errors.BUSY and self._releasing:
             self._cut = True
         else:
-            self.finished(error)
+            self.note_result(error)
         self._releasing = False
 
     def _move_steps(self, steps):
@@ -103,11 +103,11 @@ class PulsesPage(PageMachine):
             return errors.BUSY
         return self._move_by_hand(steps, None) if [part for part in steps if part] else 0
 
-    def step(self, way, speed):
+    def step_by(self, way, speed):
         """{axis: mm} from here."""
         return self._move_steps(self._steps_by(way))
 
-    def go(self, position, speed):
+    def go_to(self, position, speed):
         """{axis: mm}, one axis after the other."""
         if self._steps is None:
             return errors.BUSY
@@ -139,13 +139,13 @@ class PulsesPage(PageMachine):
 
     def _brake(self):
         self._cut = True
-        self.do(Command(commands.HOLD))
+        self.queue_command(Command(commands.HOLD))
 
     # --- orders
 
-    def still(self):
+    def busy_error(self):
         """A hold may come amid commands without an answer."""
-        return errors.BUSY if self.jog.active or not self.stands() else 0
+        return errors.BUSY if self.jog.active or not self.is_at_rest() else 0
 
     def stop(self):
         """Stop at once: the file is at its start then, the tool off."""
@@ -160,22 +160,22 @@ class PulsesPage(PageMachine):
         verb, _, back = ("run_back" if what == "back" else what).partition("_")
         if verb not in _PLAYS or back not in ("", "back"):
             return errors.UNKNOWN_COMMAND
-        return self.do(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._take_play_answer)
+        return self.queue_command(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._take_play_answer)
 
     def _take_play_answer(self, error):
         self._playing = self._playing or not error
-        self.finished(error)
+        self.note_result(error)
 
     def _set_pace(self, order):
         """mm/min from now on, up to the file's next speed."""
         command = Command(commands.STEP_PROGRAM, None, commands.STEPS_PACE)
         command.feed = int(number_field(order, "speed", 1, _FASTEST))
-        return self.refusal() or self.do(command)
+        return self.refusal() or self.queue_command(command)
 
-    def output(self, name, rpm):
+    def set_output(self, name, rpm):
         what, _, on = name.partition("_")
         if on not in ("on", "off") or what != "motors" and what not in _HANDS:
             return errors.NUMBER
         if what == "motors":
-            return self.still() or self.do(Command(commands.CONNECT, value=1 if on == "on" else 0))
-        return self.still() or self.do(Command(commands.STEP_PROGRAM, None, _HANDS[what], on == "on"))
+            return self.busy_error() or self.queue_command(Command(commands.CONNECT, value=1 if on == "on" else 0))
+        return self.busy_error() or self.queue_command(Command(commands.STEP_PROGRAM, None, _HANDS[what], on == "on"))

@@ -11,7 +11,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import AS_JOG, AT_REST, Command, Motion, Run
 from passo.protocols.page.page_machine import PageMachine
-from passo.protocols.page.lease import elapsed_ms
+from passo.protocols.page.lease import ms_since
 from passo.protocols.page.orders import Wrong, number_field, positions_field, text_field
 
 REPEAT_MS = const(40)  # between two jogs of one that is held
@@ -117,10 +117,10 @@ class TorchPage(PageMachine):
         self.state["dropped"] = self._dropped
         self._tell_error(report)
 
-    def finished(self, error):
+    def note_result(self, error):
         if error:
             self._dropped += 1
-        PageMachine.finished(self, error)
+        PageMachine.note_result(self, error)
 
     # --- orders
 
@@ -129,32 +129,32 @@ class TorchPage(PageMachine):
     def unlock(self):
         return self._queue_pair(Command(commands.RESET), Command(commands.UNLOCK))
 
-    def output(self, name, rpm):
+    def set_output(self, name, rpm):
         if name not in ("motors_on", "motors_off"):
             return errors.NUMBER
-        error = self.still()
+        error = self.busy_error()
         if error:
             return error
         if name == "motors_off":
-            return self.do(Command(commands.CONNECT, value=0))
+            return self.queue_command(Command(commands.CONNECT, value=0))
         return self._queue_pair(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
 
     def _run_axes(self, steps, speeds, when, answered=None):
         """Run `steps` of each axis, 0: not at all."""
         error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
-        return error or self.do(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
+        return error or self.queue_command(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
 
     def _run_straight(self, steps, speed):
-        if self.still() or self._steps is None:
+        if self.busy_error() or self._steps is None:
             return errors.BUSY
         speeds = straight_speeds(steps, self.scale, speed)
         return self._run_axes(steps, speeds, AT_REST) if speeds else 0
 
-    def step(self, way, speed):
+    def step_by(self, way, speed):
         """{axis: mm} from here."""
         return self._run_straight(self._steps_by(way), speed)
 
-    def go(self, position, speed):
+    def go_to(self, position, speed):
         """{axis: mm}, straight."""
         if self._steps is None:
             return errors.BUSY
@@ -163,12 +163,12 @@ class TorchPage(PageMachine):
 
     def _order_move(self, order):
         steps, speeds = move_of(order, self.scale)
-        return self.refusal() or self.still() or self._run_axes(steps, speeds, AT_REST)
+        return self.refusal() or self.busy_error() or self._run_axes(steps, speeds, AT_REST)
 
     def _set_preferences(self, order):
         scale = [number_field(order, "s" + "xy"[axis], 0.001, _MOST_SCALE, self.scale[axis]) for axis in range(2)]
         found = preferences_of(order, scale)
-        error = self.refusal() or self.still()
+        error = self.refusal() or self.busy_error()
         if error:
             return error
         said = [Command(commands.SETTING, _X_SCALE + axis, round(1000 * scale[axis])) for axis in range(2) if scale[axis] != self.scale[axis]]
@@ -180,21 +180,21 @@ class TorchPage(PageMachine):
 
         def take_answer(error):
             if error:
-                self.finished(error)
+                self.note_result(error)
             elif said[1:]:
                 self._send_preferences(said[1:], scale, found)
             else:
                 self.scale = scale
                 self._jogs, self._speeds = found
 
-        self.do(said[0], take_answer)
+        self.queue_command(said[0], take_answer)
 
     def _tell_preferences(self, order):
         """The preferences as this page knows them."""
         return preferences_message(self._jogs, self._speeds, self.scale)
 
     def _set_origin(self, order):
-        return self.refusal() or self.still() or self.do(Command(commands.ZERO))
+        return self.refusal() or self.busy_error() or self.queue_command(Command(commands.ZERO))
 
     def _weave_seam(self, order):
         spec, to, speed, centre = seam_of(order, self.scale)
@@ -206,7 +206,7 @@ class TorchPage(PageMachine):
         command.centre = tuple(centre)
         command.over_half = not to[0] and not to[1]
         command.feed = speed * 1000
-        return self.refusal() or self.still() or self.do(command)
+        return self.refusal() or self.busy_error() or self.queue_command(command)
 
     # --- the jog
 
@@ -228,14 +228,14 @@ class TorchPage(PageMachine):
 
     def _take_jog_answer(self, error):
         if error:
-            self.finished(error)
+            self.note_result(error)
             self.end_jog()
 
-    def go_on(self, now_ms):
-        PageMachine.go_on(self, now_ms)
-        if self.jog.active and elapsed_ms(now_ms, self._repeated_ms) >= REPEAT_MS:
+    def update_jog(self, now_ms):
+        PageMachine.update_jog(self, now_ms)
+        if self.jog.active and ms_since(now_ms, self._repeated_ms) >= REPEAT_MS:
             self._repeat_jog()
 
     def _brake(self):
         if not self._ramps:
-            self.do(Command(commands.STOP))
+            self.queue_command(Command(commands.STOP))
