@@ -258,14 +258,14 @@ def test_no_cut_of_the_power_makes_a_mixture(tmp_path):
         for then in "xy":
             board = of_two_machines(tmp_path / f"{count}{then}")
             try:
-                board.run("choose('y')", count)
+                board.run("choose_machine('y')", count)
                 done = True
             except Cut:
                 assert board.whole() in (None, "x")
-            board.run(f"choose('{then}')")
+            board.run(f"choose_machine('{then}')")
             assert board.whole() == then
-            board.run("choose('x')")
-            board.run("choose('y')")
+            board.run("choose_machine('x')")
+            board.run("choose_machine('y')")
             assert board.whole() == "y"
         count += 1
     assert count > 8
@@ -273,7 +273,7 @@ def test_no_cut_of_the_power_makes_a_mixture(tmp_path):
 
 def test_no_cut_of_the_power_loses_what_was_before(tmp_path):
     """Amid each step of the first `choose` of a board that was only flashed, and of the way back."""
-    for calls in (["choose('y')"], ["choose('y')", "back()"]):
+    for calls in (["choose_machine('y')"], ["choose_machine('y')", "choose_last()"]):
         done, count = False, 0
         while not done:
             board = of_two_machines(tmp_path / f"{len(calls)}{count}")
@@ -287,7 +287,7 @@ def test_no_cut_of_the_power_loses_what_was_before(tmp_path):
                 assert board.whole() in (None, "x" if len(calls) == 1 else "y")
                 board.run(calls[-1])
             assert board.whole() == ("y" if len(calls) == 1 else "x")
-            board.run("back()")
+            board.run("choose_last()")
             assert board.whole() == ("x" if len(calls) == 1 else "y")
             count += 1
         assert count > 10
@@ -297,13 +297,13 @@ def test_what_a_board_asks_for(tmp_path):
     board = of_two_machines(tmp_path)
     known = (tmp_path / "machines/y/modules.txt").read_text()
     new = machine._file_digest("passo/a.mpy", b"new")
-    assert board.run(f"want({known!r})") == [] and board.run(f"want({f'passo/a.mpy {new}'!r})") == [f"wants {new}"]
-    assert [line for line in board.run("tell()") if line.startswith("machine")] == ["machine x: ready", "machine y: ready"]
+    assert board.run(f"print_missing({known!r})") == [] and board.run(f"print_missing({f'passo/a.mpy {new}'!r})") == [f"wants {new}"]
+    assert [line for line in board.run("print_machines()") if line.startswith("machine")] == ["machine x: ready", "machine y: ready"]
     put(tmp_path, "machines/files/0123456789abcdef", "of nobody")
-    board.run("tidy()")
+    board.run("remove_unused()")
     assert not (tmp_path / "machines/files/0123456789abcdef").exists() and len(list((tmp_path / "machines/files").iterdir())) == 3
     put(tmp_path, "passo/app.mpy", "newer")
-    assert [line for line in board.run("tell()") if line.startswith("machine")] == ["machine x: 1 files of its firmware are missing or of another version: add it again", "machine y: ready"]
+    assert [line for line in board.run("print_machines()") if line.startswith("machine")] == ["machine x: 1 files of its firmware are missing or of another version: add it again", "machine y: ready"]
 
 
 def test_a_moving_machine_stays_as_it_is():
