@@ -263,7 +263,7 @@ def _run_job(client, name, text):
             unsaid = 0 if shown else unsaid + 1
             if shown:
                 show(int(shown.partition(",")[0]) / 100)
-            heard = client.lines()
+            heard = client.read_lines()
     raise LinkError("{}: the board says nothing of {} any more: it has ended, and its last message was lost", client.port, name)
 
 

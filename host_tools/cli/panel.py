@@ -135,7 +135,7 @@ def _demo_machines(virtual, own, guest):
     def change_demo(name):
         """Start the virtual machine `name`; return (its port, its first link, its board file's table). Raises Failure."""
         table = boards.load(files[name])
-        return virtual.change(files[name]), table["links"][0], table
+        return virtual.change_board(files[name]), table["links"][0], table
 
     return list(files), change_demo, files
 
@@ -149,7 +149,7 @@ def _cable_machines(port, prompt, board, own, guest):
     cable = Cable(port, prompt or port, board or "", own, _languages_for(guest), become_machine)
     for what in cable.wrong:
         print(_("left out: {}", what))
-    return cable.names(), cable.change, cable.files
+    return cable.machine_names(), cable.change_machine, cable.files
 
 
 def _guest_line(guest):

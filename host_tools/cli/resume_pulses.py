@@ -61,7 +61,7 @@ def _first_status(client):
         raise
     except Failure:
         time.sleep(_QUIET_S)
-        client.lines()
+        client.read_lines()
         client.said = []
         return client.status()
 

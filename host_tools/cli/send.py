@@ -167,7 +167,7 @@ def _send_raw(client, data):
     from host_tools.clients.wire import answer_text, packet_text
 
     print(_("Sending: {}", packet_text(data)), end="", flush=True)
-    events = client.raw(data)
+    events = client.send_raw(data)
     shown = []
     for kind, value in events:
         if kind == "answer":

@@ -55,7 +55,7 @@ class GrblClient(Client):
             self._serial.report(every_ms, b"?")
         return self.framed
 
-    def lines(self):
+    def read_lines(self):
         """Whole lines received; notes status, alarms and banners."""
         self._buffer += self._read_bytes()
         *whole, self._buffer = self._buffer.split(b"\n")
@@ -132,7 +132,7 @@ class GrblClient(Client):
             if now - asked >= _SIGN_S:
                 asked = now
                 self.real_time(b"?")
-            said += self.lines()
+            said += self.read_lines()
         return self.status
 
     def reset(self):
@@ -142,14 +142,14 @@ class GrblClient(Client):
         deadline = time.monotonic() + self.timeout_s
         said = []
         while self.banners == before:
-            said += self.lines()
+            said += self.read_lines()
             if time.monotonic() > deadline:
                 if said:
                     raise LinkError("{}: no grbl answers there, but {!r}", self.port, said[0])
                 raise LinkError("{}: no grbl answers there", self.port)
         deadline = time.monotonic() + 0.2
         while time.monotonic() < deadline:
-            self.lines()
+            self.read_lines()
         self.alarm = None
 
     def command(self, line, timeout_s=None):
@@ -165,7 +165,7 @@ class GrblClient(Client):
             if now - asked >= _SIGN_S:
                 asked = now
                 self.real_time(b"?")
-            heard = [answer for answer in self.lines() if not answer.startswith("<")]
+            heard = [answer for answer in self.read_lines() if not answer.startswith("<")]
             for at, answer in enumerate(heard):
                 if answer == "ok" and self.alarm is None:
                     self.rest = heard[at + 1 :]
@@ -195,7 +195,7 @@ class GrblClient(Client):
         self.real_time(b"?")
         deadline = time.monotonic() + self.timeout_s
         while not self.status:
-            self.lines()
+            self.read_lines()
             if time.monotonic() > deadline:
                 raise LinkError("{}: no status report", self.port)
         return self.status
@@ -217,7 +217,7 @@ class GrblClient(Client):
                 under_way.append(waiting.pop())
                 self._send_line(under_way[-1][-1])
                 self.sent += 1
-            for answer in self.lines():
+            for answer in self.read_lines():
                 number, line = under_way[0][:2] if under_way else (None, b"")
                 where = f"{origin(number)}, {line.decode('ascii', 'replace')}" if under_way else _("after the last line")
                 if answer.startswith("ALARM:"):

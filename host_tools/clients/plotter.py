@@ -171,7 +171,7 @@ class PlotterClient:
                 return status
         raise LinkError("the machine does not stop: switch it off")
 
-    def raw(self, data):
+    def send_raw(self, data):
         """Send `data` as it is; returns the events received until the line is quiet. If the data end with a packet that takes
         time (END, ORIGIN), waits for its answer without limit."""
         self.packets += 1

@@ -38,7 +38,7 @@ class PulsesClient(Client):
         """Send bytes as they are. Raises LinkError if the port has gone away."""
         self._write_bytes(data)
 
-    def lines(self):
+    def read_lines(self):
         """The lines received since the last call; waits a little for one."""
         data = self._read_bytes()
         if data:
@@ -56,7 +56,7 @@ class PulsesClient(Client):
                 idle()
             found = None
             kept, self.said = (self.said, []) if idle else ([], self.said)
-            for line in kept + self.lines():
+            for line in kept + self.read_lines():
                 if line.startswith("taken:"):
                     raise LinkError("{}: the program at {} has taken this connection", self.port, line[6:])
                 failed = line.startswith(("error:", "alarm:")) and (idle or " line " not in line) or idle and line in _ENDS
@@ -135,7 +135,7 @@ class PulsesClient(Client):
             if idle:
                 idle()
             kept, self.said = self.said, []
-            for line in kept + self.lines():
+            for line in kept + self.read_lines():
                 check(line, "the file")
                 self.said.append(line)
             if time.monotonic() - latest > TIMEOUT_S:
@@ -170,7 +170,7 @@ class PulsesClient(Client):
         """Wait until the board says one of `words`; returns it. Calls `show(status)` every 0.1 s."""
         asked = 0.0
         while True:
-            for line in self.said + self.lines():
+            for line in self.said + self.read_lines():
                 if line in words:
                     self.said = []
                     return line

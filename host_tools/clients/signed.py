@@ -51,7 +51,7 @@ class Bridge:
         if self._rest:
             self._line.write(self._rest)
             self._rest = b""
-        ready, _, _ = select.select([self._socket, *self._line.watched()], [], [], milliseconds / 1000)
+        ready, _, _ = select.select([self._socket, *self._line.select_list()], [], [], milliseconds / 1000)
         try:
             data = self._socket.recv(_READ) if self._socket in ready else None
             typed = self._line.read()

@@ -164,9 +164,9 @@ class Job:
 
     def _show_state(self, how, error):
         """What every page gets to know: `how` is run, done or failed."""
-        self._machine.state["job"] = self.state_fields(how, error)
+        self._machine.state["job"] = self.job_fields(how, error)
 
-    def state_fields(self, how, error):
+    def job_fields(self, how, error):
         return {
             "name": self.name, "how": how, "error": error, "line": self.line_number(), "lines": len(self._lines), "done": self._done,
             "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self._single,

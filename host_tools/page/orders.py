@@ -18,7 +18,7 @@ _MOST_PLACED = 100_000  # mm
 
 class PanelOrders(Orders):
     def __init__(self, machine, store, teach=None, choose=None, proving=None, own=None):
-        """`store`: the jobs: names(), lines_of(name), text_piece(name, at), facts_of(name, settings), add_piece(name, at, piece, last), put_job(name, text), remove_job(name); what
+        """`store`: the jobs: job_names(), lines_of(name), text_piece(name, at), facts_of(name, settings), add_piece(name, at, piece, last), put_job(name, text), remove_job(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
         no choice. `proving`: its carry_out(order) and end() begin and end a proof of the board; None: there is no proof here. `own`: its
         carry_out(order) makes and changes board files of the user's own; None: there are none here."""
@@ -46,10 +46,10 @@ class PanelOrders(Orders):
             })  # fmt: skip
         self._stops = 0  # how often somebody has said STOP
         self._queue = None
-        if hasattr(store, "tools"):  # a tab's jobs are not looked at
+        if hasattr(store, "tools_of"):  # a tab's jobs are not looked at
             self._queue = Queue(machine, self._look_through, self._run_whole)
             self._orders["queue"] = self._queue.carry_out
-        if hasattr(store, "place"):
+        if hasattr(store, "place_job"):
             self._orders["job_place"] = self._job_place
 
     def page_orders(self):
@@ -115,7 +115,7 @@ class PanelOrders(Orders):
     # --- jobs
 
     def _order_jobs(self, order):
-        return {"t": "jobs", "jobs": self.store.names() if self.store else []}
+        return {"t": "jobs", "jobs": self.store.job_names() if self.store else []}
 
     def _job_text(self, order):
         name = text_field(order, "name", 64)
@@ -152,7 +152,7 @@ class PanelOrders(Orders):
         """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
         name = text_field(order, "name", 64)
         place = [number_field(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
-        return self.machine.busy_error() or SlowOrder(lambda: self.store.place(name, place), job=name, slow=True)
+        return self.machine.busy_error() or SlowOrder(lambda: self.store.place_job(name, place), job=name, slow=True)
 
     def _job_remove(self, order):
         return self.machine.busy_error() or self.store.remove_job(text_field(order, "name", 64))
@@ -160,7 +160,7 @@ class PanelOrders(Orders):
     def _look_through(self, name):
         """(lines, the tools they change to or None) of a job, or the number of an error."""
         lines = self.store.lines_of(name)
-        return lines if is_refusal(lines) else (lines, self.store.tools(lines))
+        return lines if is_refusal(lines) else (lines, self.store.tools_of(lines))
 
     def _run_whole(self, name, lines):
         return self.machine.run(name, lines, 1, False, False)
@@ -194,5 +194,5 @@ class PanelOrders(Orders):
         error = self.machine.busy_error() or self.store.name_error(name)
         if error:
             return error
-        taught = self.teach.text()
+        taught = self.teach.program_text()
         return taught if isinstance(taught, int) else self.store.put_job(name, taught)

@@ -3,7 +3,7 @@
     teach = PulsesTeach("xyz")
     teach.begin()
     teach.add_moves([(0, 100), (1, 50)], [100, 20], 1200)   # said; steps of each axis that came of it; mm/min
-    text = teach.text()                                 # "[\n+1200\nAAAA…CCCC…\n]\n"
+    text = teach.program_text()                         # "[\n+1200\nAAAA…CCCC…\n]\n"
 
 The file makes the same steps in the same order, at the same speed. A move that was cut counts as far as it came.
 """
@@ -66,7 +66,7 @@ class PulsesTeach:
             count += self._parts.pop()[1]
         self._parts.append((code, count))
 
-    def text(self):
+    def program_text(self):
         """The file; recording ends."""
         if self._parts is None:
             return errors.NO_SUCH_JOB

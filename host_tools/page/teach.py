@@ -3,7 +3,7 @@
     teach = Teach(recognise)
     teach.begin()               # from where the machine stands
     teach.add_report(state)     # with each report
-    text = teach.text()         # G-code
+    text = teach.program_text()         # G-code
 
 A manual move of the page is straight, from rest to rest: so the positions where it rests are its path. Moves that go on in one line are
 one line of the program. `recognise(points, ways)` may do better: it gives the lines of G-code for a list of positions, with the positions
@@ -73,7 +73,7 @@ class Teach:
             self._flush_points()
             self._lines.append("M3" if "S" in self._on else "M4" if "C" in self._on else "M5")
 
-    def text(self):
+    def program_text(self):
         """The program, and recording ends; or the number of an error."""
         if self._points is None:
             return errors.NO_SUCH_JOB

@@ -100,7 +100,7 @@ class Demo:
             raise Failure("the virtual board {} did not start", self.board)
         return line[6:].strip()
 
-    def change(self, board):
+    def change_board(self, board):
         """Another machine; returns its port."""
         self.close()
         self.board = board

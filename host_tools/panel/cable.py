@@ -1,8 +1,8 @@
 """The machines that a board on a cable may become: board files of the project for its chip, and the user's own.
 
     cable = Cable("/dev/ttyACM0", "/dev/ttyACM0", "router_3axis", own_folder, ("grbl", "pulses"), become)
-    cable.names()                           # ["router_3axis", "laser_xy", …, "mine.py"]: the present one first
-    port, link, table = cable.change("mine.py")     # builds, copies, restarts: up to a minute. Raises Failure
+    cable.machine_names()                   # ["router_3axis", "laser_xy", …, "mine.py"]: the present one first
+    port, link, table = cable.change_machine("mine.py")     # builds, copies, restarts: up to a minute. Raises Failure
 
 MicroPython's prompt may be at another port than the link that the panel speaks on: a board whose link is its UART.
 """
@@ -39,11 +39,11 @@ class Cable:
                 self.files.setdefault(shown, file)
         self._speaking = speaking
 
-    def names(self):
+    def machine_names(self):
         """The present machine first."""
         return [self._present] + [name for name in self.files if name != self._present]
 
-    def change(self, name):
+    def change_machine(self, name):
         """Make the board another machine. Returns (port, link, board file's table). Raises Failure; the board is as it was then."""
         file = self.files[name]
         table = boards.load(file)

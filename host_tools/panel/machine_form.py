@@ -2,7 +2,7 @@
 
     form = Form(text, "mine.py")
     form.groups()                                       # [{"what": "speeds", "rows": [{"name": "", "fields": [{"key": …, "value": …}]}]}]
-    form.values({"axes.z.used": False, "inputs.stop.pin": "16"})     # {"axes.z": None, "inputs.stop.pin": 16}, for board_edit.set_values()
+    form.path_values({"axes.z.used": False, "inputs.stop.pin": "16"})     # {"axes.z": None, "inputs.stop.pin": 16}, for board_edit.set_values()
 
 The page knows no key of a board file: it shows the groups, and returns the fields that were changed. `what` is a word of its own
 (card_board.js). Bounds are the firmware's: its check decides what is written. Values come as text, of a box as True or False.
@@ -127,7 +127,7 @@ class Form:
 
     # --- what is changed
 
-    def values(self, changes):
+    def path_values(self, changes):
         """{path: value} of a board file for changed fields {key: text, True or False}. Raises Failure."""
         items, found = {}, {}  # {path: None or {}} of removed and returning things; {path: value}
         port = [self._fields[f"port.{at}.{part}"]["value"] for part in ("bit", "inverted") for at in range(8)] if "port.0.bit" in self._fields else []

@@ -83,7 +83,7 @@ class OwnBoards:
             if not isinstance(changes[key], bool):
                 text_field(changes, key, _LONGEST)
         file = self._own_file(name)
-        board_files.change_values(file, Form(boards.read(file), file).values(changes))
+        board_files.change_values(file, Form(boards.read(file), file).path_values(changes))
 
     def _restore_board(self, name, order):
         board_files.go_back(self._own_file(name))

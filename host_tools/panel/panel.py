@@ -170,11 +170,11 @@ class Panel:
         self._machines = [name] + [other for other in self._machines if other not in ("", name)]
         self._create_machine(link["protocol"], board)
         self._port.take_back(port, link.get("baud") or languages.BAUD[link["protocol"]])
-        self.server.change(self.api, self._about)
+        self.server.change_machine(self.api, self._about)
 
     def _watch_guest(self):
         """A pty without a client is always ready, with nothing to read: it is not watched."""
-        watched = self._guest.watched()
+        watched = self._guest.select_list()
         for fd in self._watched:
             if fd not in watched:
                 self._loop.remove_reader(fd)
@@ -228,5 +228,5 @@ class Panel:
                 self._watch_guest()
             if now - pushed >= PUSH_MS or now < pushed:
                 pushed = now
-                await self.server.push(now)
+                await self.server.push_state(now)
             await asyncio.sleep(TICK_S)

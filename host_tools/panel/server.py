@@ -320,13 +320,13 @@ class Server:
                 reader = page.socket.request.sock[0]
                 reader.heard_ms, reader.asked = now_ms, False
 
-    def change(self, api, about):
+    def change_machine(self, api, about):
         """Another machine: the pages that look are told."""
         self.api = self.pages.api = api
         self._about = about
         self.pages.tell({"t": "machine", **self.pages.first_fields(about)})
 
-    async def push(self, now_ms):
+    async def push_state(self, now_ms):
         """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
         text = self.pages.next_state(now_ms)
         self._forgive_silence(now_ms)

@@ -43,7 +43,7 @@ class Store:
     def __init__(self, folder, read, made=None, facts=None):
         """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it. `made(name, text)`: name
         and text of the job that a file becomes, or the number of an error; None: a file is a job. A file that has become another is kept
-        beside it, for place(): `made(name, text, place)`.
+        beside it, for place_job(): `made(name, text, place)`.
         `facts(lines, settings)`: what a job will do, see job_facts.py."""
         self._made = made
         self._facts = facts
@@ -55,7 +55,7 @@ class Store:
         self._reading = Lock()  # them: by the panel's loop, or beside it
         self.changed = 0  # counts what has been kept
 
-    def names(self):
+    def job_names(self):
         """[(name, bytes)] in alphabetical order."""
         found = [path for path in self._folder.iterdir() if path.is_file() and not self.name_error(path.name)]
         return sorted((path.name, path.stat().st_size) for path in found)
@@ -97,7 +97,7 @@ class Store:
             found["advice"] = error_cause(error, dict(lines)[number]) or advice_of(source if source.is_file() else self._path_of(name))
         return {**found, "placed": True} if source.is_file() else found
 
-    def tools(self, lines):
+    def tools_of(self, lines):
         """The tools that a job's lines change to, in order; None: its language has none."""
         return job_facts.tools_of(lines) if self._facts is job_facts.gcode_facts else None
 
@@ -108,7 +108,7 @@ class Store:
             return self._read_programs()
 
     def _read_programs(self):
-        paths = sorted((path for path in (self._folder / name for name, _ in self.names())), key=lambda path: -path.stat().st_mtime_ns)
+        paths = sorted((path for path in (self._folder / name for name, _ in self.job_names())), key=lambda path: -path.stat().st_mtime_ns)
         found, bytes_ = [], 0
         for path in paths:
             state = path.stat()
@@ -207,7 +207,7 @@ class Store:
         """Where the file lies from which a job was made; no job has such a name."""
         return self._folder / f".{name}.from"
 
-    def place(self, name, place):
+    def place_job(self, name, place):
         """Make a job anew from its file, elsewhere; 0 or the number of an error."""
         path = self._path_of(name)
         if isinstance(path, int):
@@ -228,5 +228,5 @@ class Store:
         return 0
 
     def _is_full(self, name, size):
-        others = [bytes_ for other, bytes_ in self.names() if other != name]
+        others = [bytes_ for other, bytes_ in self.job_names() if other != name]
         return len(others) >= _MOST_JOBS or sum(others) + size > MOST_BYTES

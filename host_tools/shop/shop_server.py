@@ -217,7 +217,7 @@ class Shop:
 
     async def _push_state(self):
         try:
-            await self.server.push(clock_ms())
+            await self.server.push_state(clock_ms())
         except Exception as error:  # a machine may send anything: keep STOP working
             self.dispatcher.complain(wrong_message(error))
 

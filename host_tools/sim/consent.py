@@ -139,8 +139,8 @@ class GuestLine:
         answers = sum(line.startswith((b"ok", b"error:")) for line in lines)
         self._unanswered = max(0, self._unanswered - answers)
 
-    def watched(self):
-        return self._line.watched()
+    def select_list(self):
+        return self._line.select_list()
 
     def close(self):
         self._line.close()

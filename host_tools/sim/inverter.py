@@ -63,7 +63,7 @@ class SimInverter:
     def any(self):
         return 0
 
-    def watched(self):
+    def select_list(self):
         return []
 
     def close(self):

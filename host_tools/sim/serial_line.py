@@ -47,7 +47,7 @@ except OSError:
 
 def wait_for_bytes(lines, milliseconds):
     """Sleep until one of `lines` may have something to read, or the time is over."""
-    watched = [fd for line in lines for fd in line.watched()]
+    watched = [fd for line in lines for fd in line.select_list()]
     if watched:
         select.select(watched, [], [], milliseconds / 1000)
     else:
@@ -124,7 +124,7 @@ class PtyLine(_Line):
             self._send_unsent()
         return data
 
-    def watched(self):
+    def select_list(self):
         return [self._fd] if self._open else []  # a closed pty is always ready, with nothing to read
 
     def close(self):
@@ -269,7 +269,7 @@ class TcpLine(_Line):
             self._client.gate.note_answer(bytes(data))
         super().write(data)
 
-    def watched(self):
+    def select_list(self):
         return [self._server] + [client.socket for client in (self._client, self._coming) if client]
 
     def close(self):

@@ -28,7 +28,7 @@ class Jobs:
         self._coming = ("", "")  # name and text of a job that comes in pieces
         self._grbl = language == "grbl"
 
-    def names(self):
+    def job_names(self):
         return [(name, len(self._jobs[name])) for name in sorted(self._jobs)]
 
     def name_error(self, name):

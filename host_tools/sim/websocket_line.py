@@ -58,8 +58,8 @@ class WebSocketLine:
             if self._connection:
                 self._server.send(self._connection, frame(TEXT, data[at : at + _PIECE]))
 
-    def watched(self):
-        return self._server.watched()
+    def select_list(self):
+        return self._server.select_list()
 
     def close(self):
         self._server.close()

@@ -622,8 +622,8 @@ def check_straight_runs():
 
 def check_no_axis_is_driven_beyond_its_own():
     limits = Limits([5000, 5000, 1500], [250, 250, 150])
-    assert limits.along((1, 0, 0)) == (5000, 250)
-    speed, _ = limits.along((0.6, 0, 0.8))
+    assert limits.limits_along((1, 0, 0)) == (5000, 250)
+    speed, _ = limits.limits_along((0.6, 0, 0.8))
     assert abs(speed - 1875) < 1
 
 

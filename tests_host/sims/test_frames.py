@@ -225,12 +225,12 @@ def test_a_reset_drops_what_was_sent_before_it():
     banners = client.banners
     joined.machine.run_ms(1)
     while client.banners == banners:
-        client.lines()
+        client.read_lines()
     joined.machine.settle()
     there = list(joined.machine.plant.position)
     end = joined.machine.now_ms() + 3000
     while joined.machine.now_ms() < end:
-        client.lines()
+        client.read_lines()
     assert joined.machine.plant.position == there
     client.command("$X")
     client.command("G1Y0.5F6000")

@@ -589,7 +589,7 @@ def test_a_stop_for_all_and_one_that_was_kept(shop, tmp_path):
         begun = time.monotonic()
         shop.client.publish("passo/stop", "all", 1)
         while client.alarm is None:
-            client.lines()
+            client.read_lines()
             assert time.monotonic() - begun < LIMIT_S
         print(f"from the message to the alarm on another link: {1000 * (time.monotonic() - begun):.0f} ms")
         assert client.alarm == 3

@@ -134,7 +134,7 @@ def test_what_is_shown_and_given_back_changes_nothing(name):
     for text in [whole] + [LIKE % name] * (boards.LIKE not in boards.own_table(whole, name)):
         form = Form(text, name)
         shown = {field["key"]: field["value"] for group in form.groups() for row in group["rows"] for field in row["fields"]}
-        given = form.values({key: value if isinstance(value, bool) else str(value) for key, value in shown.items()})
+        given = form.path_values({key: value if isinstance(value, bool) else str(value) for key, value in shown.items()})
         before, after = (check(copy.deepcopy(boards.parse_table(each, name))) for each in (text, board_edit.set_values(text, given)))
         before.pop("additions", None), after.pop("additions", None)
         assert before == after
@@ -152,7 +152,7 @@ def test_whatever_a_page_gives_the_file_stays_one(data):
         words = st.sampled_from(["-", "", "1", "15", "20", "80.5", "-3", "1e400", "nan", "x", "{", '"'])
         values = {key: data.draw(st.booleans() if kinds.get(key) == "box" else words) for key in keys}
         try:
-            text = board_files.edit_text("mine.py", text, form.values(values))
+            text = board_files.edit_text("mine.py", text, form.path_values(values))
         except Failure as failure:
             assert failure.message()
 

@@ -66,14 +66,14 @@ def beside(panel, visit):
 def test_names_of_machines(cable):
     own = cable.folder.parent / "own"
     known = Cable(cable.port, cable.port, "router_3axis", own, SPEAKING, None)
-    names = known.names()
+    names = known.machine_names()
     assert names[0] == "router_3axis" and {"mill_2004", "plotter_2014", "cutter.py"} <= set(names)
     assert not {"router_esp32", "mill_pico_2", "broken.py"} & set(names), "another chip, or no board file"
     assert [what.split(":")[0] for what in known.wrong] == ["broken.py"]
     assert "router_esp32" in Cable(cable.port, cable.port, "", own, SPEAKING, None).names()
     assert "cutter.py" not in Cable(cable.port, cable.port, "", own, ("grbl",), None).names()
     with pytest.raises(Failure, match="speaks on uart0, not on USB: start the panel with that cable's --port, and --prompt"):
-        known.change("plotter_2014")
+        known.change_machine("plotter_2014")
     two = Cable("/dev/ttyUSB0", cable.port, "plotter_2014", own, SPEAKING, lambda *became: done.append(became))
     done = []
     assert two.change("lpt_router")[0] == "/dev/ttyUSB0" and two.change("mill_2004")[0] == cable.port

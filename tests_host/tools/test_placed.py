@@ -35,15 +35,15 @@ def box(store, name="map.svg.txt"):
 
 def test_it_is_put_elsewhere_and_made_larger(store):
     assert store.add_piece("map.svg", 0, SVG, True) == 0
-    assert [name for name, _ in store.names()] == ["map.svg.txt"]
+    assert [name for name, _ in store.job_names()] == ["map.svg.txt"]
     left, low, right, top = before = box(store)
     assert (right - left, top - low) == pytest.approx((30, 20), abs=0.2)
     assert store.facts_of("map.svg.txt", {})["placed"]
-    assert store.place("map.svg.txt", (20, 12, 30)) == 0
+    assert store.place_job("map.svg.txt", (20, 12, 30)) == 0
     assert box(store) == pytest.approx([20, 12, 50, 32], abs=0.2)
-    assert store.place("map.svg.txt", (20, 12, 15)) == 0 and store.place("map.svg.txt", (10, 10, 60)) == 0
+    assert store.place_job("map.svg.txt", (20, 12, 15)) == 0 and store.place_job("map.svg.txt", (10, 10, 60)) == 0
     assert box(store) == pytest.approx([10, 10, 70, 50], abs=0.2), "the size must be that of the file, not of the last placing"
-    assert store.place("map.svg.txt", (left, low, right - left)) == 0
+    assert store.place_job("map.svg.txt", (left, low, right - left)) == 0
     assert box(store) == pytest.approx(before, abs=0.2)
 
 
@@ -60,7 +60,7 @@ def test_any_drawing_is_a_job_of_a_plotter(store, name):
     assert store.add_piece(name, 0, DRAWINGS[name], True) == 0
     left, low, right, top = box(store, f"{name}.txt")
     assert (right - left, top - low) == pytest.approx((30, 20), abs=0.2)
-    assert store.place(f"{name}.txt", (20, 12, 60)) == 0
+    assert store.place_job(f"{name}.txt", (20, 12, 60)) == 0
     assert box(store, f"{name}.txt") == pytest.approx([20, 12, 80, 52], abs=0.2)
 
 
@@ -81,15 +81,15 @@ def test_any_drawing_is_a_program_of_a_laser_a_pen_or_a_router(tmp_path, name, m
     """By the machine's settings: those of router_3axis hold only until they are known."""
     store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), machine), job_facts.gcode_facts)
     assert store.add_piece(name, 0, DRAWINGS[name], True) == 0
-    ((made, _),) = store.names()
+    ((made, _),) = store.job_names()
     text = (tmp_path / "jobs" / made).read_text()
     assert made == f"{name}.gcode" and down in text.splitlines() and {"Z"} & set(text) == set(axes) & {"Z"}
-    assert store.facts_of(made, {})["placed"] and store.place(made, (20, 12, 60)) == 0
+    assert store.facts_of(made, {})["placed"] and store.place_job(made, (20, 12, 60)) == 0
     words = [word for line in (tmp_path / "jobs" / made).read_text().splitlines() if line[:2] == "G1" for word in line.split()]
     xs, ys = ([float(word[1:]) for word in words if word[0] == axis] for axis in "XY")
     assert [min(xs), max(xs), min(ys), max(ys)] == pytest.approx([20, 80, 12, 52], abs=0.2)
     if machine is LASER:
-        assert store.place(made, (20, 12, 290)) == errors.DRAWING, "beyond $130"
+        assert store.place_job(made, (20, 12, 290)) == errors.DRAWING, "beyond $130"
 
 
 def test_g_code_is_a_router_s_own_language(tmp_path):
@@ -103,22 +103,22 @@ def test_what_leaves_the_table_is_refused_and_the_job_stays(store):
     store.add_piece("map.svg", 0, SVG, True)
     before = box(store)
     for place in ((-1, 0, 30), (0, 0, 5000), (1000, 1000, 30)):
-        assert store.place("map.svg.txt", place) == errors.DRAWING
+        assert store.place_job("map.svg.txt", place) == errors.DRAWING
     assert box(store) == before
 
 
 def test_jobs_without_a_file_stay_where_they_are(store):
     assert store.put_job("own.txt", "MOVE 1 1\nLINE 2 2\nEND\n") == 0
-    assert store.place("own.txt", (1, 1, 1)) == errors.NO_SUCH_JOB and "placed" not in store.facts_of("own.txt", {})
-    assert store.place("none.txt", (1, 1, 1)) == errors.NO_SUCH_JOB and store.place("../x", (1, 1, 1)) == errors.JOB_NAME
+    assert store.place_job("own.txt", (1, 1, 1)) == errors.NO_SUCH_JOB and "placed" not in store.facts_of("own.txt", {})
+    assert store.place_job("none.txt", (1, 1, 1)) == errors.NO_SUCH_JOB and store.place_job("../x", (1, 1, 1)) == errors.JOB_NAME
     store.add_piece("map.svg", 0, SVG, True)
     assert store.put_job("map.svg.txt", "MOVE 1 1\nLINE 2 2\nEND\n") == 0, "words in the drawing's place"
-    assert store.place("map.svg.txt", (1, 1, 1)) == errors.NO_SUCH_JOB
+    assert store.place_job("map.svg.txt", (1, 1, 1)) == errors.NO_SUCH_JOB
     store.add_piece("map.svg", 0, SVG, True)
     assert store.remove_job("map.svg.txt") == 0 and [path.name for path in store._folder.iterdir()] == ["own.txt"]
 
 
 def test_a_single_upright_line_has_no_width(store):
     store.add_piece("line.svg", 0, SVG.replace("L35 5 L35 25 Z", "L5 25"), True)
-    assert store.place("line.svg.txt", (50, 40, 0.001)) == 0
+    assert store.place_job("line.svg.txt", (50, 40, 0.001)) == 0
     assert box(store, "line.svg.txt") == pytest.approx([50, 40, 50, 60], abs=0.2)

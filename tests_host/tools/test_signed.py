@@ -29,7 +29,7 @@ class Memory:
     def write(self, data):
         self.heard += data
 
-    def watched(self):
+    def select_list(self):
         return []
 
 

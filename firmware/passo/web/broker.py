@@ -108,7 +108,7 @@ class Broker:
         self._looked_ms = now_ms
         return True
 
-    def watched(self):
+    def select_list(self):
         return [self._socket] if self._socket else []
 
     def close(self):

@@ -147,7 +147,7 @@ class Server:
             return waited > _SENT_MS and connection.is_sending()
         return waited > (_SENT_MS if connection.state == ANSWERED else _WHOLE_MS)
 
-    def watched(self):
+    def select_list(self):
         """Sockets whose bytes are waited for."""
         return [self._listener] + [each.socket for each in self.connections if each.state in (HEAD, BODY, SOCKET)]
 

@@ -57,7 +57,7 @@ class Silent:
     def write(self, data):
         pass
 
-    def watched(self):
+    def select_list(self):
         return []
 
     def close(self):

@@ -85,8 +85,8 @@ class PageLine:
                         self._server.send(page.socket, frame(TEXT, message[2:]))
                         break
 
-    def watched(self):
-        return self._server.watched() + (self._broker.watched() if self._broker else [])
+    def select_list(self):
+        return self._server.select_list() + (self._broker.select_list() if self._broker else [])
 
     def close(self):
         if self._broker:

@@ -46,9 +46,9 @@ class Radio:
         self.names = ()
         wanted = read_wifi_file()
         if wanted:
-            self._start(wanted)
+            self._start_radio(wanted)
 
-    def _start(self, wanted):
+    def _start_radio(self, wanted):
         import network  # chips without a radio have none
 
         network.hostname(self._config["host"])  # tells mDNS, too

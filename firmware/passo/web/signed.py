@@ -85,7 +85,7 @@ class SignedLine:
             self._out += bytes(data)
             self._send_rest()
 
-    def watched(self):
+    def select_list(self):
         return [socket for socket in (self._listener, self._socket) if socket]
 
     def close(self):

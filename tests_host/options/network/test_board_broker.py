@@ -103,7 +103,7 @@ def test_state_stop_and_gone(told, tmp_path):
             begun = time.monotonic()
             told.client.publish(topic, text, 1)
             while client.alarm is None:
-                client.lines()
+                client.read_lines()
                 assert time.monotonic() - begun < 20, topic
             told.until(lambda: told.of("state") == "alarm")
             client.alarm = None

@@ -20,7 +20,7 @@ class Limits:
         self.speeds = speeds
         self.accelerations = accelerations
 
-    def along(self, direction):
+    def limits_along(self, direction):
         """(mm/min, mm/s²) of a unit vector, at which no axis goes beyond its own."""
         used = [axis for axis in range(len(direction)) if direction[axis]]
         speed = min([self.speeds[axis] / abs(direction[axis]) for axis in used])
@@ -38,7 +38,7 @@ class Jog:
         """Go from `position` (mm) along `direction`, at `speed` mm/min or what the axes allow."""
         size = sum([part * part for part in direction]) ** 0.5
         self._way = [part / size for part in direction]
-        most, acceleration = limits.along(self._way)
+        most, acceleration = limits.limits_along(self._way)
         self._speed = min(speed, most)
         per_s = self._speed / 60
         self._ahead_mm = per_s * AHEAD_S + per_s * per_s / (2 * acceleration) + _LEAST_MM
