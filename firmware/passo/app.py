@@ -50,10 +50,10 @@ class Link:
         self.protocol = protocol
         self.batch = getattr(protocol, "batch", None)  # for frequent motion, if the language has one
         if self.batch:
-            self.take = protocol.take
+            self.take_batch = protocol.take_batch
             self.batch.join(*controller.batches(self.batch))
         self._log = controller.machine.note
-        self.heed = getattr(protocol, "heed", None)  # keeps lines, and has real-time bytes carried out before these
+        self.buffer_input = getattr(protocol, "buffer_input", None)  # keeps lines, and has real-time bytes carried out before these
         self.heard = False  # bytes have come, see was_heard()
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
@@ -220,7 +220,7 @@ class App:
         """Read the links before the controller's turn, so that `?` does not wait for it. While the machine moves, carry out real-time
         bytes and keep lines. At a stand carry out all, as _hear(), so that a line sets out sooner."""
         for link in self.links:
-            if link.heed and link.serial.any():
+            if link.buffer_input and link.serial.any():
                 if not self.feeder.open:
                     self._hear()
                     break
@@ -233,7 +233,7 @@ class App:
         self._heard |= _KEPT
         speaking = self._speaking
         self._speaking = link
-        self._carry_out(link.heed(link.serial.read()), link)
+        self._carry_out(link.buffer_input(link.serial.read()), link)
         self._speaking = speaking
 
     def _coming(self):
@@ -272,7 +272,7 @@ class App:
         feeder.open = opens
         if not opens:
             return
-        live = bool(self.controller.lives) and self.controller.live()
+        live = bool(self.controller.lives) and self.controller.may_change()
         if self.interrupt:
             self.port.set_out(live)
             return
@@ -306,7 +306,7 @@ class App:
         if link.batch and (link.keeps or data and not link.waiting):
             data = self._in_batches(link, data)
         commands = link.protocol.feed(data, self._now_ms)
-        if data or not self.interrupt or not link.heed or isinstance(commands, tuple):
+        if data or not self.interrupt or not link.buffer_input or isinstance(commands, tuple):
             return commands
         return self._between(commands, link)  # a chip takes milliseconds to read each line
 
@@ -362,23 +362,23 @@ class App:
     def _in_batches(self, link, data):
         """Carry out in batches what comes most often in `data`, and in what comes while that is done: as long as there are
         answers, and the machine may wait. Returns what is left for feed()."""
-        take = link.take
+        take_batch = link.take_batch
         serial = link.serial
         now_ms = self._now_ms
         moves = link.batch.moves
         more = _MORE
         while True:
-            answers = take(data, now_ms)
+            answers = take_batch(data, now_ms)
             if answers:
                 if moves and not self.feeder.open and self.interrupt and not serial.any():
                     self._set_off(link)
                 serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
-                    if self.interrupt and link.heed and serial.any():  # `?` would wait for the batch's end and the other links
+                    if self.interrupt and link.buffer_input and serial.any():  # `?` would wait for the batch's end and the other links
                         self._listen(link)
                     break
-            elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or link.heed and self.interrupt and serial.any())):
-                more -= 1  # see Grbl.take(); this many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
+            elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or link.buffer_input and self.interrupt and serial.any())):
+                more -= 1  # see Grbl.take_batch(); this many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
                 if answers is False:
                     self._carry_out(link.protocol.feed(b"", now_ms), link)
             else:
@@ -417,7 +417,7 @@ class App:
         if event.kind in (ALARM, DROPPED, RESTARTED):
             self._drop(event)
         for link in self.links:
-            said = link.protocol.push(event)
+            said = link.protocol.push_bytes(event)
             if said:
                 link.serial.write(said)
 

@@ -1,7 +1,7 @@
 """The most frequent commands, several at a time on their way from a language to the machine: lines to go, points to draw.
 
     batch.join(*controller.batches(batch))
-    while answers := language.take(data, now_ms):   # opens the batch, fills rows, has the machine take them
+    while answers := language.take_batch(data, now_ms):   # opens the batch, fills rows, has the machine take them
         ...
     batch.close(batch)
 

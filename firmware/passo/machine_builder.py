@@ -118,7 +118,7 @@ def speaker(own, language, link, *more):
 
 def serials(own, board, port):
     """The serial line of each link of the board file."""
-    return own.serials(board, port) if own else [port.serial(link) for link in board["links"]]
+    return own.make_serials(board, port) if own else [port.serial(link) for link in board["links"]]
 
 
 def wanted(board, languages):
@@ -200,7 +200,7 @@ def make_drive(board):
         pins = [name + "_step" for name in motors] + [name + "_dir" for name in motors]
         return Layout(kind, count, len(pins), pins, (1 << len(motors)) - 1, len(motors)), drive, 0
     pins = [name + "_" + pin for name in names for pin in drive.pins]
-    return Layout("coils", count, len(pins), pins, 0), drive, drive.released()
+    return Layout("coils", count, len(pins), pins, 0), drive, drive.levels_off()
 
 
 def fastest(board, settings):

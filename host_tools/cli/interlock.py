@@ -32,7 +32,7 @@ class Table:
         self.inputs = [item["name"] for item in self.board["inputs"]]
         self.signals = section.get("signals", {})
         texts = dict(section.get("rows", {}))
-        self.rows = {name: Row(name, manifest_table.parse(text, name)) for name, text in texts.items()}
+        self.rows = {name: Row(name, manifest_table.parse_row(text, name)) for name, text in texts.items()}
         self.limits = section.get("limits", {})
         self.masks = self.board["additions"].masks
 

@@ -1,6 +1,6 @@
 """Answers of lines, for clients and for the pages' wires, which run under MicroPython, too."""
 
-from passo.protocols.setting_lines import decimal
+from passo.protocols.setting_lines import decimal_text
 
 
 def is_complete(text):
@@ -23,4 +23,4 @@ def setting_line(command):
     """The line of a SETTING command: `$` for the numbers that there are, `$100` for a value, `$100=48.500` to set it."""
     if command.target is None:
         return "$"
-    return "$%d" % command.target if command.value is None else "$%d=%s" % (command.target, decimal(command.value, 3))
+    return "$%d" % command.target if command.value is None else "$%d=%s" % (command.target, decimal_text(command.value, 3))

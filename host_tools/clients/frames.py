@@ -119,7 +119,7 @@ class FramedPort:
     def write(self, data):
         """Send one message; returns at once, later calls repeat it until the board has it. Raises OSError if the board does not answer."""
         self._expect_nothing()
-        self._sender.put(data)
+        self._sender.put_message(data)
         self._send_due()
 
     def urgent(self, data, cut=False):
@@ -127,7 +127,7 @@ class FramedPort:
         if cut:
             sender = self._sender  # less than half of the numbers are under way, or the board could not tell old from new
             behind = (sender.first + min(sender.kept, NUMBERS // 2 - 1)) % NUMBERS
-            sender.clear(behind)
+            sender.clear_messages(behind)
             data = behind.to_bytes(2, "big") + data
         self._urgents.append((CUT if cut else URGENT, data))
         self._send_due()
@@ -155,7 +155,7 @@ class FramedPort:
 
     def _send_frame(self, kind, number=0, data=b""):
         now_ms, self._owes_ms = self._clock(), None
-        wire = codec.delimited(codec.frame(kind, number, self._next, codec.MOST_CREDIT, data))
+        wire = codec.delimit_frames(codec.frame(kind, number, self._next, codec.MOST_CREDIT, data))
         follows = self._sender.size == codec.MOST and now_ms - self._sent_ms < _SILENCE_MS
         self._port.write(wire[1:] if follows else wire)
         self._sent_ms = now_ms
@@ -203,9 +203,9 @@ class FramedPort:
         if self._urgents and (self._urgent_ms is None or now_ms - self._urgent_ms >= _URGENT_MS):
             self._urgent_ms = now_ms
             self._send_frame(self._urgents[0][0], self._urgent, self._urgents[0][1])
-        sender.late(now_ms)
+        sender.check_late(now_ms)
         if not any(kind == CUT for kind, _ in self._urgents):
-            while (data := sender.next(now_ms)) is not None:
+            while (data := sender.next_frame(now_ms)) is not None:
                 self._send_frame(DATA, sender.number, data)
 
     def _poll_wire(self):
@@ -220,10 +220,10 @@ class FramedPort:
             self._send_frame(ACK)
 
     def _take_frame(self, chunk):
-        if not codec.sound(chunk, 0, len(chunk)):
+        if not codec.is_sound(chunk, 0, len(chunk)):
             return self._ask_again()
         self._heard_ms = self._clock()
-        kind, number, ack, credit = codec.header(chunk, 0)
+        kind, number, ack, credit = codec.parse_header(chunk, 0)
         data = chunk[codec.HEAD : -codec.CHECK]
         if self._leaving:
             self._leaving = kind != TAKEN or number != self._urgent
@@ -232,11 +232,11 @@ class FramedPort:
         elif self._open and kind == codec.CLOSED:
             raise OSError(_("answers of the board were lost"))
         elif self._open:
-            self._sender.acknowledged(ack, credit, self._heard_ms)
+            self._sender.take_ack(ack, credit, self._heard_ms)
             if kind == DATA:
                 self._take_data(number, data)
             elif kind == AGAIN:
-                self._sender.again()
+                self._sender.send_again()
             elif kind == TAKEN and self._urgents and number == self._urgent:
                 self._urgents.pop(0)
                 self._urgent, self._urgent_ms = (self._urgent + 1) % NUMBERS, None
@@ -246,11 +246,11 @@ class FramedPort:
         if not self._open:
             self._open, self._new = True, new
             self._next, self._urgent = number, about[3] << 8 | about[4]
-            self._sender.clear(ack)
+            self._sender.clear_messages(ack)
             self._send_frame(ACK)
         elif new and (self._sender.first or self._urgent):
             raise OSError(_("the board has been reset"))
-        self._sender.acknowledged(ack, credit, self._heard_ms)
+        self._sender.take_ack(ack, credit, self._heard_ms)
 
     def _take_data(self, number, data):
         known = (self._next - number) % NUMBERS

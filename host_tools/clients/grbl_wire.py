@@ -13,7 +13,7 @@ from micropython import const
 
 from passo import commands
 from passo.commands import ACCEPTED, REFUSED, Event
-from passo.protocols.gcode.words import longest
+from passo.protocols.gcode.words import longest_line
 from passo.protocols.grbl.lines import real_time
 
 # Fields of every grbl's reports; others are words of commands.STATUS_WORDS, or of an option.
@@ -162,7 +162,7 @@ def dwell_ms(line):
 
 def number_line(number, line):
     """`line` with its number in the file as N word, which reports then show. One that begins with no letter stays, for the number would become another."""
-    return line if not line[:1].isalpha() or len(line) > longest(line) - _NUMBER or number > _MOST_NUMBER else b"N%d%s" % (number, line)
+    return line if not line[:1].isalpha() or len(line) > longest_line(line) - _NUMBER or number > _MOST_NUMBER else b"N%d%s" % (number, line)
 
 
 def fields_of(report):

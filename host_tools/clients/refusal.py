@@ -5,7 +5,7 @@ import re
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 from passo import errors
-from passo.protocols.gcode.words import bare, longest
+from passo.protocols.gcode.words import bare_line, longest_line
 
 _CHECKSUM = re.compile(rb"\*\d+\s*$")
 
@@ -41,7 +41,7 @@ def error_cause(error, line):
     """What in the line (bytes) makes the error, if the line shows it; else ""."""
     if error == errors.LETTER and _CHECKSUM.search(line):
         return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())
-    text = bare(line)
-    if error == errors.LINE_TOO_LONG and len(text) > longest(text):
-        return _("the line has {} characters, and the board takes {}: shorten it", len(text), longest(text))
+    text = bare_line(line)
+    if error == errors.LINE_TOO_LONG and len(text) > longest_line(text):
+        return _("the line has {} characters, and the board takes {}: shorten it", len(text), longest_line(text))
     return ""

@@ -51,12 +51,12 @@ class Answers:
 
     def put(self, data, now_ms):
         """Take bytes of the board; `now_ms` tells a torn frame from the next one."""
-        self._cutter.put(bytes(data), now_ms)
+        self._cutter.put_bytes(bytes(data), now_ms)
 
     def next_answer(self):
         """The next whole answer, (name, {field: value}), or None. Skips frames that are not understood."""
         while True:
-            found = self._cutter.next()
+            found = self._cutter.next_frame()
             if found is None:
                 return None
             try:

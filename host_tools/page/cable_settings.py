@@ -12,7 +12,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.config.setting_numbers import JOG, JOG_SPEED, STEPS, TRAVEL
-from passo.protocols.setting_lines import thousandths
+from passo.protocols.setting_lines import parse_thousandths
 
 _RESTING = ("Idle", "Sleep")
 _MISSES = const(8)  # answers that may get lost
@@ -117,7 +117,7 @@ def with_settings(kind):
             return self.settings
 
         def set_setting(self, number, text):
-            value = thousandths(text)
+            value = parse_thousandths(text)
             if value is None:
                 return errors.NUMBER
             return self.busy_error() or self.queue_command(Command(commands.SETTING, number, value), self.note_result)

@@ -32,7 +32,7 @@ class _Heights:
 
     def z_mm(self):
         """Of the program, mm."""
-        return self._board.target[TOOL_AXIS] / _STEPS_PER_MM - self._gcode.offsets.of(self._gcode.system, TOOL_AXIS) / NM
+        return self._board.target[TOOL_AXIS] / _STEPS_PER_MM - self._gcode.offsets.offset_of(self._gcode.system, TOOL_AXIS) / NM
 
     def spindle(self):
         """3, 4 or 5, as the program has it; 5 without S."""
@@ -40,7 +40,7 @@ class _Heights:
 
     def carry_out(self, line):
         """Carry out a line. Returns True if Z rises at any moment of it."""
-        if line[:1] == b"$" or self._gcode.interpret(line):
+        if line[:1] == b"$" or self._gcode.interpret_line(line):
             return False
         rises = False
         for command in commands_of(self._gcode.commands):

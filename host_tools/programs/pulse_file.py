@@ -135,7 +135,7 @@ class Converter:
         if not any(b"S" in line.upper() for _, line in lines):
             self._gcode.rpm = self._gcode.max_rpm
         for number, line in lines:
-            error = self._gcode.interpret(line)
+            error = self._gcode.interpret_line(line)
             if error:
                 raise Failure("line {}: {}: error {}: {}", number, line.decode(), error, error_text(error))
             for command in self._gcode.commands:

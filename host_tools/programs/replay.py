@@ -22,7 +22,7 @@ from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
-from passo.protocols.gcode.words import longest
+from passo.protocols.gcode.words import longest_line
 from passo.steps.dots_viper import end_of
 
 OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
@@ -84,7 +84,7 @@ class Replay:
         the series begins anew."""
         place = list(self._board.target)
         if CODES.get(self._gcode.motion, 0) & CYCLE:
-            height = self._gcode.cycle[1] + self._offsets.of(self._gcode.system, TOOL_AXIS)
+            height = self._gcode.cycle[1] + self._offsets.offset_of(self._gcode.system, TOOL_AXIS)
             place[TOOL_AXIS] = max(place[TOOL_AXIS], round(height / NM * self._machine.steps_per_mm[TOOL_AXIS]))
         return place
 
@@ -205,7 +205,7 @@ class Replay:
 
     def _all_offsets(self, axis):
         offsets = self._offsets
-        return [offsets.of(system, axis) for system in range(SYSTEMS)], [places[axis] for places in offsets.homes.values()]
+        return [offsets.offset_of(system, axis) for system in range(SYSTEMS)], [places[axis] for places in offsets.homes.values()]
 
     def _index_of(self, number):
         for index, (known, _) in enumerate(self._lines):
@@ -224,7 +224,7 @@ class Replay:
         number, line = self._lines[index]
         if line.startswith(b"$"):
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
-        error = errors.LINE_TOO_LONG if len(line) > longest(line) else self._gcode.interpret(line)
+        error = errors.LINE_TOO_LONG if len(line) > longest_line(line) else self._gcode.interpret_line(line)
         if error:
             raise RefusedLine("line {}, {}: {}", number, line, error)
         return list(commands_of(self._gcode.commands))
@@ -299,7 +299,7 @@ class Replay:
         ways = "".join(f"{letters[axis]}{by / self._machine.steps_per_mm[axis]:.5f}"
                        for axis, by in zip((motion.first, motion.second), centre))  # fmt: skip
         ends = "".join(
-            f"{AXES[axis]}{self._steps_mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}"
+            f"{AXES[axis]}{self._steps_mm(motion.target, axis) - self._offsets.offset_of(self._gcode.system, axis) / NM:.5f}"
             for axis in range(min(len(place), 3))
         )
         plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
@@ -355,7 +355,7 @@ class Replay:
     def _state_at_line(self, place):
         """The state of the program as people say it, for a page: lengths in mm of the work, the feed in mm/min."""
         gcode = self._gcode
-        work = [round(self._steps_mm(place, axis) - self._offsets.of(gcode.system, axis) / NM, 3) for axis in range(len(place))]
+        work = [round(self._steps_mm(place, axis) - self._offsets.offset_of(gcode.system, axis) / NM, 3) for axis in range(len(place))]
         return {
             "place": work, "system": f"G{54 + gcode.system}", "tool": gcode.tool, "spindle": gcode.spindle, "rpm": round(gcode.rpm / 1000),
             "coolant": gcode.coolant, "feed": round(gcode.feed * 60 / NM) if gcode.per_minute else 0, "inches": bool(gcode.inches),
@@ -383,7 +383,7 @@ class Replay:
         if not any(self._offsets.shift):
             return []
         words = "".join(
-            f"{AXES[axis]}{self._steps_mm(place, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
+            f"{AXES[axis]}{self._steps_mm(place, axis) - self._offsets.offset_of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
         )
         return [f"G92{words}"]
 
@@ -419,7 +419,7 @@ class Replay:
             return rest
         rest = list(rest)
         for index, (number, line) in enumerate(rest):
-            if line.startswith(b"$") or self._gcode.interpret(line):
+            if line.startswith(b"$") or self._gcode.interpret_line(line):
                 break
             if self._gcode._found[MOTION] != NONE:
                 break

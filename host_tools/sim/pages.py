@@ -48,7 +48,7 @@ class Pages:
             self._program_byte(at + offset, self.data[at + offset] & byte)
         self._save_file()
 
-    def erase(self, block):
+    def erase_block(self, block):
         """Set all bits of a block. Raises PowerCut, and leaves random bits, if the power does not last."""
         first = block * BLOCK
         if self._left is not None and self._left < BLOCK:

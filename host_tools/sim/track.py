@@ -147,7 +147,7 @@ class Track:
         self._levels = int(coils[-1])
         pairs, index = np.unique(before.astype(np.uint64) << np.uint64(32) | coils, return_inverse=True)
         for axis in range(self._axes):
-            table = [self._drive.moved(axis, int(pair) >> 32, int(pair) & 0xFFFFFFFF) for pair in pairs]
+            table = [self._drive.step_between(axis, int(pair) >> 32, int(pair) & 0xFFFFFFFF) for pair in pairs]
             moves[:, axis] = np.array(table, np.int8)[index]
         return moves
 

@@ -73,13 +73,13 @@ def test_far_lines_are_read_as_on_a_pc(uf2):
     code = FAR + f"read(array('i', {place}), {text})\n"
     here = io.StringIO()
     with contextlib.redirect_stdout(here):
-        exec(code, {"parse": parse_viper.parse})
+        exec(code, {"parse": parse_viper.parse_lines})
     modules = {"passo/records.py": records, "parse_viper.py": parse_viper}
     for module in (parse_records, row_dots_viper):
         modules[module.__name__.replace(".", "/") + ".py"] = module
     files = compiled({path: Path(module.__file__) for path, module in modules.items()})
     files["passo/__init__.py"] = b""
-    code = "from parse_viper import parse\n" + code
+    code = "from parse_viper import parse_lines as parse\n" + code
     counts = [line[0] for line in here.getvalue().splitlines()]
     assert counts.count("1") >= 4 and "0" in counts, counts
     assert EmulatedPico(files=files, uf2=uf2).boot().exec(code, limit_us=5_000_000).split() == here.getvalue().split()

@@ -117,7 +117,7 @@ def check_two_motors(which, reversed_mask, steps):
         assert words[0] >> bits == 77 and words[0] & tool
         for axis in range(2):
             moved = (1 if dirs >> axis & 1 else -1) if step >> axis & 1 else 0
-            assert drive.moved(axis, before, words[0]) == moved
+            assert drive.step_between(axis, before, words[0]) == moved
             places[axis] += moved
             sign = -1 if reversed_mask >> axis & 1 else 1
             assert words[0] >> axis * width & (1 << width) - 1 == table[sign * places[axis] % len(table)]

@@ -47,7 +47,7 @@ class Wire:
 
     def put(self, *frames):
         """Return the bytes of these frames that the language reads."""
-        return self.hear(codec.delimited(*frames))
+        return self.hear(codec.delimit_frames(*frames))
 
     def hear(self, data, piece=50):
         for at in range(0, len(data), piece):
@@ -72,8 +72,8 @@ class Wire:
 
 def frame_of(chunk):
     data = bytearray(chunk)
-    assert codec.sound(data, 0, len(data)), chunk
-    return codec.header(data, 0) + (bytes(data[HEAD : len(data) - CHECK]),)
+    assert codec.is_sound(data, 0, len(data)), chunk
+    return codec.parse_header(data, 0) + (bytes(data[HEAD : len(data) - CHECK]),)
 
 
 def check_frames_hold_any_bytes(seed):
@@ -97,7 +97,7 @@ def check_no_damaged_frame_is_sound(seed):
         middle = random.choice((b"", damaged[at : at + 1] * 2, bytes((damaged[at] ^ 1 << random.between(0, 7),))))
         damaged = damaged[:at] + middle + damaged[at + 1 :]
     for chunk in damaged.split(b"\0"):
-        assert chunk == made or not codec.sound(bytearray(chunk), 0, len(chunk))
+        assert chunk == made or not codec.is_sound(bytearray(chunk), 0, len(chunk))
 
 
 def check_hello():
@@ -127,7 +127,7 @@ def check_hello_in_the_middle():
     """Bytes before it go to the language; after it only those in frames do."""
     for piece in (1, 7, 60):
         wire = Wire()
-        assert wire.hear(b"G1X1\n" + HELLO_WIRE + b"~!G1X9\n" + codec.delimited(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
+        assert wire.hear(b"G1X1\n" + HELLO_WIRE + b"~!G1X9\n" + codec.delimit_frames(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
         assert wire.said()[0][0] == WELCOME
 
 
@@ -138,16 +138,16 @@ def check_a_line_begun_is_not_gone_on_with():
         wire = Wire()
         wire.protocol = lines
         wire.line = FramedLine(wire, wire, 115_200, lambda: wire.now_ms, wire.noted.append)
-        lines.take(wire.hear(b"G90\nG91"))
-        lines.take(wire.hear(HELLO_WIRE))
+        lines.take_bytes(wire.hear(b"G90\nG91"))
+        lines.take_bytes(wire.hear(HELLO_WIRE))
         if urgent:
             assert wire.put(codec.frame(URGENT, 0, 0, 15, b"~")) == b"~"
-        lines.take(wire.put(codec.frame(DATA, 0, 0, 15, b"G0X10\nG0X20\nG91")))
-        assert [lines.next() for _ in range(3)] == [b"G90", b"G0X10", b"G0X20"] and lines.begun()
+        lines.take_bytes(wire.put(codec.frame(DATA, 0, 0, 15, b"G0X10\nG0X20\nG91")))
+        assert [lines.next_line() for _ in range(3)] == [b"G90", b"G0X10", b"G0X20"] and lines.is_amid_line()
         wire.put(codec.frame(LEAVE, urgent, 0, 15))
-        assert not lines.begun()
-        lines.take(wire.hear(b"G0X30\n"))
-        assert lines.next() == b"G0X30" and not lines.waiting()
+        assert not lines.is_amid_line()
+        lines.take_bytes(wire.hear(b"G0X30\n"))
+        assert lines.next_line() == b"G0X30" and not lines.has_lines()
 
 
 def check_bytes_come_once(seed):
@@ -275,7 +275,7 @@ def check_a_late_frame_is_dropped(seed):
     wire = left(random)
     for _ in range(3):
         frames = [codec.frame(DATA, random.between(0, 4095), 0, 15, b"G1X%d\nG1Y%d\n" % (n, n)) for n in range(random.between(1, 3))]
-        late = bytearray(codec.delimited(*frames))
+        late = bytearray(codec.delimit_frames(*frames))
         if random.between(0, 1):
             late = late[: random.between(2, len(late))]
         if random.between(0, 1):
@@ -305,7 +305,7 @@ def check_noise_amid_lines(seed):
 class Language:
     """Grbl as a line sees it: it takes lines, and says if it is amid one."""
 
-    amid = Grbl.amid
+    is_amid = Grbl.is_amid
 
     def __init__(self):
         self._lines = Lines()
@@ -316,9 +316,9 @@ class Language:
     def take(self, data):
         """The lines that end in `data`."""
         lines = self._lines
-        assert lines.take(data)
-        while lines.waiting():
-            yield lines.next()
+        assert lines.take_bytes(data)
+        while lines.has_lines():
+            yield lines.next_line()
 
 
 def check_noise_makes_no_line(seed):
@@ -329,7 +329,7 @@ def check_noise_makes_no_line(seed):
         wire = left(random) if framed else Wire()
         wire.protocol = language = Language()
         if framed:
-            wire.line._strays = Strays(False, language.amid)
+            wire.line._strays = Strays(False, language.is_amid)
         sent = [b"G1X%d%dY%d" % (n, n, n) for n in range(random.between(3, 40))]
         text = b"\n".join(sent) + b"\n"
         for _ in range(random.between(1, 4)):

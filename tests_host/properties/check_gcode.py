@@ -83,7 +83,7 @@ class Shop:
     def do(self, *lines):
         """Interpret and carry out; the commands of the last line."""
         for line in lines:
-            error = self.gcode.interpret(line)
+            error = self.gcode.interpret_line(line)
             assert error == 0, (line, error, error_texts.text(error))
             self.made = made_of(self.gcode)
             for command in self.made:
@@ -241,11 +241,11 @@ def check_every_error():
     for before, line, number in ERRORS:
         shop = Shop()
         shop.do(*before)
-        state = shop.page_state()
-        error = shop.gcode.interpret(line)
+        state = shop.state()
+        error = shop.gcode.interpret_line(line)
         assert error == number, (line, error, number)
         assert shop.gcode.commands == []
-        assert shop.page_state() == state, line
+        assert shop.state() == state, line
 
 
 # (lines before, the cycle, all of its motions: steps of X and Z, feed or rapid; P: a dwell in ms)
@@ -289,7 +289,7 @@ def check_cycles():
     for before, line, wanted in CYCLES:
         shop = Shop()
         shop.do(*before)
-        assert shop.gcode.interpret(line) == 0, line
+        assert shop.gcode.interpret_line(line) == 0, line
         looked_at = [shown(motion) for motion in shop.gcode.commands[0].also]
         made = [shown(command) for command in made_of(shop.gcode)]
         assert tuple(made) == wanted, (line, made)
@@ -303,7 +303,7 @@ def check_all_holes_are_looked_at():
     """Of holes in a row the first and the last, before anything moves."""
     shop = Shop()
     shop.do(b"G0 X1 Z3")
-    assert shop.gcode.interpret(b"G91 G99 G83 X2 Y1 Z-4 R-1 Q0.5 L5 F60") == 0
+    assert shop.gcode.interpret_line(b"G91 G99 G83 X2 Y1 Z-4 R-1 Q0.5 L5 F60") == 0
     looked_at = [motion.target for motion in shop.gcode.commands[0].also]
     assert [250 * 3, 250, -800] in looked_at and [250 * 11, 1250, -800] in looked_at
     made = made_of(shop.gcode)
@@ -323,7 +323,7 @@ def check_a_deep_hole():
     """A thousand pecks are made one by one."""
     shop = Shop()
     shop.do(b"G0 Z3")
-    assert shop.gcode.interpret(b"G99 G83 X1 Z-8 R2 Q0.01 F60") == 0
+    assert shop.gcode.interpret_line(b"G99 G83 X1 Z-8 R2 Q0.01 F60") == 0
     assert len(shop.gcode.commands) == 2
     assert len(made_of(shop.gcode)) == 2 + 3 * 999 + 2
 
@@ -339,8 +339,8 @@ def check_the_third_centre_word_means_nothing():
             found.append((command.target, command.centre, command.clockwise, command.turns, command.first, command.second))
         assert found[1] == found[0] == found[2], (plane, found)
         for line, error in ((b"G2 X1 Y1 Z1 R5" + word + b"0", errors.WORDS_UNUSED), (b"G2 X1 Y1 Z1 " + word + b"0", errors.NO_CENTRE)):
-            assert shop.gcode.interpret(line) == error, line
-        assert shop.gcode.interpret(b"G1 X1" + word + b"0") == errors.WORDS_UNUSED
+            assert shop.gcode.interpret_line(line) == error, line
+        assert shop.gcode.interpret_line(b"G1 X1" + word + b"0") == errors.WORDS_UNUSED
 
 
 def check_z_of_a_machine_of_two_axes():
@@ -354,15 +354,15 @@ def check_z_of_a_machine_of_two_axes():
     shop.do(b"G92 X0 Z0", b"G91 G2 X1 Y1 Z0 I1", b"G28 X0 Z0", b"G90")
     assert shop.at() == (1000, stands[1] + 250)
     for line in (b"Z1", b"G0 X1 Z-0.001", b"G91 Z0.1", b"G92 Z5", b"G10 L2 P1 Z2", b"G81 X1 Z0 R0", b"G38.2 Z0", b"G2 Z0 I1", b"G43.1 Z0"):
-        state = shop.page_state()
-        assert shop.gcode.interpret(line) != 0 and shop.page_state() == state, line
+        state = shop.state()
+        assert shop.gcode.interpret_line(line) != 0 and shop.state() == state, line
 
 
 def check_a_refused_line_keeps_the_length():
     shop = Shop()
     shop.do(b"G10 L1 P1 Z2", b"G43 H1")
     for line in (b"G49 G0 X999999999", b"G43 H0 L5", b"G43.1 Z5 X1"):
-        assert shop.gcode.interpret(line) != 0
+        assert shop.gcode.interpret_line(line) != 0
         assert shop.gcode.offsets.tool == 2_000_000
     shop.do(b"G0 Z1")
     assert shop.at() == (0, 0, 1200)
@@ -371,9 +371,9 @@ def check_a_refused_line_keeps_the_length():
 def check_every_jog_error():
     for line, number in JOG_ERRORS:
         shop = Shop()
-        state = shop.page_state()
-        assert shop.gcode.interpret(line, True) == number, line
-        assert shop.gcode.commands == [] and shop.page_state() == state
+        state = shop.state()
+        assert shop.gcode.interpret_line(line, True) == number, line
+        assert shop.gcode.commands == [] and shop.state() == state
 
 
 # (lines, steps of X, Y, Z at the end): 250 steps/mm, on Z 400
@@ -517,7 +517,7 @@ def check_laser():
 def check_jogs_leave_the_modes():
     shop = Shop()
     shop.do(b"G1 X1 F100")
-    assert shop.gcode.interpret(b"G91 G20 X1 F10", True) == 0
+    assert shop.gcode.interpret_line(b"G91 G20 X1 F10", True) == 0
     (jog,) = shop.gcode.commands
     assert jog.kind == commands.JOG_TO and jog.target == [6600, 0, 0] and jog.feed == 4_233_333
     assert (shop.gcode.absolute, shop.gcode.inches, shop.gcode.motion) == (True, False, 100)
@@ -553,19 +553,19 @@ def check_offsets_are_kept():
 def check_millimetres_are_exact(value, decimals):
     words = Words()
     text = number(value, decimals)
-    assert words.scan(b"X" + text.encode() + b"F1") == 0
+    assert words.scan_line(b"X" + text.encode() + b"F1") == 0
     if decimals <= 6:
-        assert words.fixed(X, 6) == value * 10 ** (6 - decimals)
+        assert words.word_value(X, 6) == value * 10 ** (6 - decimals)
     else:
         by = 10 ** (decimals - 6)
-        assert abs(words.fixed(X, 6) * by - value) * 2 <= by
-    assert words.fixed(F, 0) == 1 and not words.have >> Y & 1
+        assert abs(words.word_value(X, 6) * by - value) * 2 <= by
+    assert words.word_value(F, 0) == 1 and not words.have >> Y & 1
 
 
 def check_inches_are_exact(value, decimals):
     words = Words()
-    assert words.scan(b"X" + number(value, decimals).encode()) == 0
-    assert words.fixed(X, 5, 254) * 10**decimals == value * 25_400_000
+    assert words.scan_line(b"X" + number(value, decimals).encode()) == 0
+    assert words.word_value(X, 5, 254) * 10**decimals == value * 25_400_000
 
 
 def number(value, decimals):
@@ -580,7 +580,7 @@ def check_sweep_angles(i, j, sweep, clockwise):
     """H, an arc's angle instead of its end, in 10⁻⁴ degrees here: within a step of the true end, turns as it says."""
     shop = Shop()
     line = "G%d I%.3f J%.3f H%.4f F100" % (2 if clockwise else 3, i / 1000, j / 1000, sweep / 10_000)
-    error = shop.gcode.interpret(line.encode())
+    error = shop.gcode.interpret_line(line.encode())
     if not sweep or not (i or j):
         assert error == errors.TARGET
         return
@@ -601,7 +601,7 @@ def check_sweep_angle_lines():
         (b"G3 R5 H90 F100", errors.NO_CENTRE), (b"G1 H90 X1 F100", errors.WORDS_UNUSED), (b"H90", errors.WORDS_UNUSED),
         (b"G3 I0 J0 H90 F100", errors.TARGET), (b"G3 I-5 H90", errors.NO_FEED),
     ):
-        assert Shop().gcode.interpret(line) == error, line
+        assert Shop().gcode.interpret_line(line) == error, line
     shop = Shop()
     shop.do(b"G3 I-5 H90 F100")
     assert shop.at() == (-1250, 1250, 0)
@@ -652,10 +652,10 @@ def check_noise(line):
 
 
 def obey(shop, line):
-    state = shop.page_state()
-    error = shop.gcode.interpret(line)
+    state = shop.state()
+    error = shop.gcode.interpret_line(line)
     if error:
-        assert shop.gcode.commands == [] and shop.page_state() == state
+        assert shop.gcode.commands == [] and shop.state() == state
         assert error_texts.text(error) != "error %d" % error
     for command in made_of(shop.gcode):
         if command.target:
@@ -665,4 +665,4 @@ def obey(shop, line):
 
 def check_length_counts_what_stays():
     for line, count in ((b"G1 X1", 4), (b"(all of this) G1;and this", 2), (b" /\t", 0), (b"a(b(c)d", 2), (b"x" * 81, 81)):
-        assert len(gcode_words.bare(line)) == count
+        assert len(gcode_words.bare_line(line)) == count

@@ -147,7 +147,7 @@ class Straight(Machine):
         batch = self.batch
         self.open()
         lines.fields[LINES_WAITS] = 0
-        if not gcode.opens(batch):
+        if not gcode.open_rows(batch):
             return 0
         travel = self.travel_fields
         count = take_lines(b"", 0, lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, most, travel, self.accept, travel, travel, travel, travel, travel)
@@ -233,21 +233,21 @@ def check_same_as_in_full(seed):
         for shop in (short, full):
             shop.machine.travel = travel
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         before = short.machine.target[:]
         taken = short.machine.take_of(short.gcode, lines, random.between(1, 4))
-        error = full.gcode.interpret(line)
+        error = full.gcode.interpret_line(line)
         following = made_of(full.gcode)
         made = [facts(command) for command in following if command.kind in (commands.LINE, commands.ARC)]
         whole = not taken
         if taken:
             dealt += 1
-            assert error == 0 and not lines.waiting() and waits(lines) == (type(taken[0][2]) is int), (line, error)
+            assert error == 0 and not lines.has_lines() and waits(lines) == (type(taken[0][2]) is int), (line, error)
             for axis in range(len(axes)):
                 at = taken[0][0][axis]
                 assert not travel or at == before[axis] or travel[0][axis] <= at <= travel[1][axis], line
         else:
-            assert short.machine.target == before and short.gcode.interpret(line) == error, line
+            assert short.machine.target == before and short.gcode.interpret_line(line) == error, line
             taken = [facts(command) for command in made_of(short.gcode) if command.kind in (commands.LINE, commands.ARC)]
         assert taken == made, line
         for shop in (short, full):
@@ -260,7 +260,7 @@ def check_same_as_in_full(seed):
         refused = moved and short.machine.target == before and random.between(0, 5) == 0
         for shop in (short, full):
             if refused:
-                shop.gcode.forget()
+                shop.gcode.forget_position()
             elif whole or shop is full:
                 shop.machine.obey(following, full.gcode.laser)
         assert short.machine.light() == full.machine.light(), line
@@ -285,19 +285,19 @@ def check_arcs(seed):
         texts = [random.choice((draw_arc, draw_arc, lambda _: b"G1X.1", lambda _: b"X1Y2"))(random) for _ in range(random.between(1, 3))]
         made = []
         for line in texts:
-            if full.gcode.interpret(line) == 0:
+            if full.gcode.interpret_line(line) == 0:
                 made += [facts(command) for command in full.gcode.commands if command.target]
                 full.machine.obey(full.gcode.commands, full.gcode.laser)
         lines = Lines()
-        lines.take(b"\n".join(texts) + b"\n")
+        lines.take_bytes(b"\n".join(texts) + b"\n")
         short.machine.refuses = random.between(0, 4) == 0
         taken = []
-        while lines.waiting():
+        while lines.has_lines():
             some = short.machine.take_of(short.gcode, lines, random.between(1, 4))
             dealt += len(some)
             taken += some
             if not some:
-                error = short.gcode.interpret(lines.next())
+                error = short.gcode.interpret_line(lines.next_line())
                 taken += [facts(command) for command in short.gcode.commands if command.target]
                 if error == 0:
                     short.machine.obey(short.gcode.commands, short.gcode.laser)
@@ -316,30 +316,30 @@ def check_several_at_once(seed):
     all.do(*texts)
     whole = [b"X%d.%dY-%d" % (random.between(-9, 9), random.between(0, 99), random.between(0, 9)) for _ in range(12)]
     lines = Lines()
-    lines.take(b"\n".join(whole) + b"\n")
+    lines.take_bytes(b"\n".join(whole) + b"\n")
     made = []
     for line in whole:
         single = Lines()
-        single.take(line + b"\n")
+        single.take_bytes(line + b"\n")
         made += one.machine.take_of(one.gcode, single, 4)
     took = []
-    while lines.waiting():
+    while lines.has_lines():
         most = random.between(1, 6)
         before = len(took)
         took += all.machine.take_of(all.gcode, lines, most)
         assert len(took) - before == min(most, len(whole) - before) and waits(lines)
     assert took == made
-    lines.take(b"X1\n")
+    lines.take_bytes(b"X1\n")
     all.machine.took = []
     all.machine.blocks = 1  # a block is kept for the tool
-    assert all.machine.follow(all.gcode, lines, 4) == 0 and waits(lines) and lines.waiting()
+    assert all.machine.follow(all.gcode, lines, 4) == 0 and waits(lines) and lines.has_lines()
 
 
 def check_machine_code(seed):
     """The same arrays from the same bytes, as machine code and as bytecode."""
     from passo.protocols.gcode import parse_viper as module
 
-    parse = plain(module)["parse"]
+    parse = plain(module)["parse_lines"]
     random = Random(seed)
     place = array("i", [4, 0, 1, 10_000, 0, 0, 0, 0, 0, -5_000_000, 9, 7, 250_000, 83_333, 400_000, 53_333] + [0] * (PARSE_FIELDS - 16))
     place[PARSE_NAMED] = random.between(3, 4)
@@ -361,7 +361,7 @@ def check_machine_code(seed):
             numbers[PARSE_INCHES] = inches
             numbers[PARSE_FULL] = full
             numbers[PARSE_ARCS] = relative
-        done = [read(text, 3, len(text), *side, most) for read, side in zip((parse, module.parse), sides)]
+        done = [read(text, 3, len(text), *side, most) for read, side in zip((parse, module.parse_lines), sides)]
         assert done[0] == done[1] and sides[0] == sides[1], text
 
 
@@ -369,12 +369,12 @@ def check_the_frequent_line_is_dealt_with():
     shop = Shop(Straight())
     for line in (b"G1 X1.5 F600", b"X2Y3.25", b"N100 G0 Z-5", b"G01X-1.000Y.5Z-0.2", b"g1 x 10 f 1200.5", b"X600.5Y-999.9"):
         lines = Lines()
-        lines.take(line + b"\n")
-        assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), line
+        lines.take_bytes(line + b"\n")
+        assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.has_lines(), line
     for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S-3", b"X1 X2", b"X", b"G1", b"X2200", b"X1 F.001"):
         lines = Lines()
-        lines.take(line + b"\n")
-        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line
+        lines.take_bytes(line + b"\n")
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.has_lines() and not waits(lines), line
 
 
 def check_a_plain_arc_is_dealt_with():
@@ -382,19 +382,19 @@ def check_a_plain_arc_is_dealt_with():
     shop.do(b"G91 G1 X1 F600")
     for line in (b"G2 X2 I1", b"X1Y1J1", b"N3 G3 X0 Y0 I5 J-2 Z-1 F300", b"g03x-1y1i-1", b"G2 K-3 X2 I1", b"G20", b"G2 X.2 I.1"):
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         if line == b"G20":
             shop.do(line)
         else:
-            assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), line
+            assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.has_lines(), line
     for line in (b"G2 X1 I1", b"G2 I1", b"G2 X1 R1", b"G3 X2 I1 P2", b"G2 Z1 I1", b"X1", b"G1 X1 I1", b"G2 X2 I1 I1", b"G2 X2 I1 K1 K1", b"G1 X1 K1", b"G2 X2 K1", b"G2 I1 H90"):
         lines = Lines()
-        lines.take(line + b"\n")
-        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line
+        lines.take_bytes(line + b"\n")
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.has_lines() and not waits(lines), line
     shop.do(b"G18")
     lines = Lines()
-    lines.take(b"G2 X2 I1\n")
-    assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting(), "another plane"
+    lines.take_bytes(b"G2 X2 I1\n")
+    assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.has_lines(), "another plane"
 
 
 def check_fast_lines_are_dealt_with():
@@ -405,8 +405,8 @@ def check_fast_lines_are_dealt_with():
             shop.do(unit)
             for line in (b"G1X1F" + text, b"X2"):
                 lines = Lines()
-                lines.take(line + b"\n")
-                assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), (unit, line, text)
+                lines.take_bytes(line + b"\n")
+                assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.has_lines(), (unit, line, text)
 
 
 def check_a_laser_raster_is_dealt_with():
@@ -417,12 +417,12 @@ def check_a_laser_raster_is_dealt_with():
         facts = []
         for line in (b"G0X1Y1", b"G1X1.1S450", b"X1.2S0", b"X1.3S1000", b"X1.4", b"G0Y1.1", b"G1X1.3S.2", b"X1.2S1500", b"G0X0S300", b"G1X1"):
             lines = Lines()
-            lines.take(line + b"\n")
+            lines.take_bytes(line + b"\n")
             facts += shop.machine.take_of(shop.gcode, lines, 9)
         dark = (False, 0)
         lights = [dark, (True, 450), dark, (True, 1000), (True, 1000), dark, (True, 1), (True, 1000), dark, (True, 300)]
         assert [fact[4:-1] for fact in facts] == [light + (mode == b"M4",) for light in lights]
-        lines.take(b"X1S5\n")  # no step to change it with
+        lines.take_bytes(b"X1S5\n")  # no step to change it with
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not waits(lines)
 
 
@@ -431,7 +431,7 @@ def check_a_spindle_changes_its_speed_at_a_stand():
     shop.machine.obey(shop.do(b"M3 S500 F600"), False)
     for line, short in ((b"G1 X1 S500", 1), (b"X2 S501", 0), (b"X3", 1)):
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == short, line
 
 
@@ -443,31 +443,31 @@ def check_rows_are_dealt_with():
     ring = shop.machine.batch.dots
     for line in (b"G1X1.6S0:10:20:30:500.5:1000:0:7:8:9:10:11:12:13:14:15", b"G1 Y-0.8S875:0:0:0:875:0:0:1", b"X-3 S 1 : 2 F900", b"N9X1F600S9:0"):
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         taken = shop.machine.take_of(shop.gcode, lines, 9)
-        assert len(taken) == 1 and not lines.waiting(), line
+        assert len(taken) == 1 and not lines.has_lines(), line
         values = [float(value) for value in line.partition(b"S")[2].replace(b" ", b"").partition(b"F")[0].split(b":")]
         assert taken[0][-1] == [int(value + 0.5) for value in values], line
     for line in (b"G1X-1.6S=@@_H@A", b"N9 Y-.8F600S=" + packed(range(900, 960)).encode(), b"X-30 s=OT"):
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         taken = shop.machine.take_of(shop.gcode, lines, 9)
-        assert len(taken) == 1 and not lines.waiting(), line
+        assert len(taken) == 1 and not lines.has_lines(), line
         found = line.partition(b"=")[2]
         assert taken[0][-1] == [(found[at] - 64) * 32 + found[at + 1] - 64 for at in range(0, len(found), 2)], line
         ring[DOTS_TAIL] = ring[DOTS_HEAD]
     for line in (b"X1S=", b"X1S=@", b"X1S=@@@", b"X1S=_I", b"X1S=@a", b"X1S=@@ X2", b"X1S=@@X2", b"X1S5=@@", b"X1S5S=@@", b"X=@@", b"G0X1S=@@", b"S=@@", b"X1S=@@S=@@", b"X1S=@@:5"):
         lines = Lines()
-        lines.take(line + b"\n")
-        found = shop.machine.follow(shop.gcode, lines, 9) or shop.gcode.interpret(line)
+        lines.take_bytes(line + b"\n")
+        found = shop.machine.follow(shop.gcode, lines, 9) or shop.gcode.interpret_line(line)
         assert found in (1, 2, 25, 36) and not waits(lines), (line, found)
     for line in (b"X1S1:", b"X1S:1", b"X1S1::2", b"X1S1:-2", b"X1S1 X2:3", b"G0X1S1:2", b"X1:2", b"X1S1:2:", b"X1S1:2Z", b"X1S1:2S3", b"S1:2", b"G2X2I1S1:2", b"X1S1:2M3"):
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not waits(lines), line
-        assert line == b"X1S1:2M3" or shop.gcode.interpret(line) in (1, 2, 4, 25, 36), (line, shop.gcode.interpret(line))
+        assert line == b"X1S1:2M3" or shop.gcode.interpret_line(line) in (1, 2, 4, 25, 36), (line, shop.gcode.interpret_line(line))
     lines = Lines()
-    lines.take(b"X1S1:2:3\nX2S4:5\n")
+    lines.take_bytes(b"X1S1:2:3\nX2S4:5\n")
     ring[DOTS_TAIL] = ring[DOTS_HEAD] + 4 & ring[DOTS_MASK]
     assert len(shop.machine.take_of(shop.gcode, lines, 1)) == 1
     ring[DOTS_TAIL] = ring[DOTS_HEAD] + 1 & ring[DOTS_MASK]
@@ -477,6 +477,6 @@ def check_rows_are_dealt_with():
     for line in (b"$100=1", b"$J=X1F600", b"X1M8", b"G1 X2 F300", b"G0Y1"):  # lines without a row do not wait for room for dots
         ring[DOTS_TAIL] = ring[DOTS_HEAD] + 1 & ring[DOTS_MASK]
         lines = Lines()
-        lines.take(line + b"\n")
+        lines.take_bytes(line + b"\n")
         shop.machine.follow(shop.gcode, lines, 9)
-        assert not waits(lines) or not lines.waiting(), line
+        assert not waits(lines) or not lines.has_lines(), line

@@ -5,7 +5,7 @@ from passo import errors
 from passo.config.journal import MemorySlots
 from passo.protocols.grbl.lines import plain_text
 from passo.protocols.grbl.protocol import real_time
-from passo.protocols.grbl.report import decimal
+from passo.protocols.grbl.report import decimal_text
 from draws import Random
 from router import BANNER, UNHOMED, Machine, answers
 
@@ -100,14 +100,14 @@ def check_a_question_ends_the_reading_of_lines():
     machine = Machine().ready()
     protocol = machine.app.links[0].protocol
     batch = protocol.batch
-    assert protocol.take(b"G0X1\nG0X2?\n", 0) is False and not batch.begun
+    assert protocol.take_batch(b"G0X1\nG0X2?\n", 0) is False and not batch.begun
     assert len(protocol.feed(b"", 0)) == 1
-    assert protocol.take(b"", 0) == b"ok\r\n" * 2 and batch.begun
-    assert protocol.take(b"", 0) == b""
-    assert protocol.take(b"?G0X3\n", 0) is False and batch.begun
+    assert protocol.take_batch(b"", 0) == b"ok\r\n" * 2 and batch.begun
+    assert protocol.take_batch(b"", 0) == b""
+    assert protocol.take_batch(b"?G0X3\n", 0) is False and batch.begun
     batch.close(batch)
     assert len(protocol.feed(b"", 0)) == 1
-    assert protocol.take(b"", 0) == b"ok\r\n"
+    assert protocol.take_batch(b"", 0) == b"ok\r\n"
     batch.close(batch)
 
 
@@ -116,7 +116,7 @@ def check_plain_text():
 
 
 def check_decimals(value, places):
-    text = decimal(value, places)
+    text = decimal_text(value, places)
     assert int(text.replace(".", "")) == value and (len(text.split(".")[1]) == places if places else "." not in text)
 
 
@@ -196,8 +196,8 @@ def check_texts_too_long():
     """A line of 80 characters cannot hold one; other callers' texts are refused."""
     machine = Machine(links=BOARD["links"][:1]).ready()
     system = machine.app.links[0].protocol.system
-    assert system.execute("$I=" + "A" * 81) == errors.START_LINE_TOO_LONG
-    assert system.execute("$N0=" + "G4P0(" + "A" * 80 + ")") == errors.START_LINE_TOO_LONG
+    assert system.execute_line("$I=" + "A" * 81) == errors.START_LINE_TOO_LONG
+    assert system.execute_line("$N0=" + "G4P0(" + "A" * 80 + ")") == errors.START_LINE_TOO_LONG
     assert machine.ask("$N0")[-1] == "error:3" and machine.ask("$N")[0] == "$N0="
 
 

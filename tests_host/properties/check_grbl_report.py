@@ -4,8 +4,8 @@ from array import array
 
 from draws import Random
 from passo.protocols.grbl import report as grbl_report
-from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, lengths, tell, tell_report, tell_speed
+from passo.protocols.gcode.words import round_half_away
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, set_lengths, write_form, write_report, set_speed
 from passo.protocols.grbl.report_records import (
     REPORT_AXIS, REPORT_FIELDS, REPORT_LINE, REPORT_LONGEST, REPORT_ROOM, REPORT_SPEED, REPORT_UNIT,
 )  # fmt: skip
@@ -21,7 +21,7 @@ MOST = (1 << 28) - 1  # steps
 
 def told(label, figures, count):
     out = bytearray(REPORT_LONGEST)
-    end = tell(out, 3, label + b",".join([bytes((number + 1,)) for number in range(count)]) + b"\0", figures)
+    end = write_form(out, 3, label + b",".join([bytes((number + 1,)) for number in range(count)]) + b"\0", figures)
     assert out[:3] == bytes(3) and not any(out[end:])
     return bytes(out[3:end]).decode()
 
@@ -31,7 +31,7 @@ def draw_axis(random):
     per_m = random.choice((320_000, 400_000, 83_333, 48_000, 3, 1000, 100_000_000, random.between(1, 2_000_000)))
     most = min(MOST, 90_000 * per_m)
     steps = random.choice((0, 1, -1, most, -most, random.between(-most, most), random.between(-999, 999)))
-    nm = rounded(steps * NM_PER_M, per_m)
+    nm = round_half_away(steps * NM_PER_M, per_m)
     near = nm + random.choice((0, 500, -500, 499, 1270, -1270, 1269, 999_999, random.between(-3000, 3000)))
     offset = random.choice((0, 0, near, random.between(-9_000_000_000_000, 9_000_000_000_000), random.between(-9999, 9999)))
     return steps, per_m, offset
@@ -46,12 +46,12 @@ def check_places(seed):
     wanted, places_in_steps = [], array("i", [0] * axes)
     for axis in range(axes):
         steps, per_m, offset = draw_axis(random)
-        wanted.append(rounded(steps * NM_PER_M, per_m) - offset)
+        wanted.append(round_half_away(steps * NM_PER_M, per_m) - offset)
         places_in_steps[axis] = steps
         place = REPORT_AXIS + REPORT_FIELDS * axis
         figures[place : place + 3] = array("i", (per_m, offset // 1_000_000 + FARTHEST_MM, offset % 1_000_000))
-    lengths(figures, places_in_steps, axes)
-    assert told(b"|WPos:", figures, axes) == "|WPos:" + grbl_report.position(wanted, inches)
+    set_lengths(figures, places_in_steps, axes)
+    assert told(b"|WPos:", figures, axes) == "|WPos:" + grbl_report.position_text(wanted, inches)
 
 
 def check_numbers(seed):
@@ -74,10 +74,10 @@ def check_speed(seed):
     fields = array("i", [0] * REPORT_AXIS)
     fields[REPORT_UNIT:REPORT_AXIS] = INCHES if inches else MILLIMETRES
     fields[REPORT_SPEED + 2] = inches  # decimals
-    tell_speed(fields, nm_s // 1_000_000, nm_s % 1_000_000)
+    set_speed(fields, nm_s // 1_000_000, nm_s % 1_000_000)
     out = bytearray(REPORT_LONGEST)
     form = bytes((REPORT_SPEED // 3 + 1, 0))
-    assert bytes(out[: tell(out, 0, form, fields)]).decode() == grbl_report.rate(nm_s, inches), nm_s
+    assert bytes(out[: write_form(out, 0, form, fields)]).decode() == grbl_report.rate_text(nm_s, inches), nm_s
 
 
 def check_report():
@@ -92,15 +92,15 @@ def check_report():
     seen[SEEN_ROOM], seen[SEEN_LINE], seen[SEEN_MM_S], seen[SEEN_NM_S] = 31, 12, 16, 666_667
     form = b"<\1;\2|" + bytes([number // 3 + 1 for number in (12, REPORT_ROOM, REPORT_LINE, REPORT_SPEED)]) + b">\0"
     out = bytearray(REPORT_LONGEST)
-    end = tell_report(out, form, fields, seen, array("i", (-7, 9)), 2)
+    end = write_report(out, form, fields, seen, array("i", (-7, 9)), 2)
     assert bytes(out[:end]) == b"<-7.000;9.000|3177121000>", bytes(out[:end])
 
 
 def check_speeds():
     """As with large integers: mm/min, and tenths of an inch a minute."""
     for nm_s in (0, 1, 8333, 8334, 541_266_000, 715_827_882, 1 << 30, 16_666_666_650, 25_400_000, 423_333, 42_333, 21_167):
-        assert grbl_report.rate(nm_s, 0) == str(rounded(nm_s * 60, 1_000_000))
-        assert grbl_report.rate(nm_s, 1) == grbl_report.decimal(rounded(nm_s * 60, 2_540_000), 1)
+        assert grbl_report.rate_text(nm_s, 0) == str(round_half_away(nm_s * 60, 1_000_000))
+        assert grbl_report.rate_text(nm_s, 1) == grbl_report.decimal_text(round_half_away(nm_s * 60, 2_540_000), 1)
 
 
 class _Longest:
@@ -117,7 +117,7 @@ class _Longest:
     def __init__(self):
         self.offsets = self
 
-    def of(self, system, axis):
+    def offset_of(self, system, axis):
         return -99_999_999_999_999
 
     def value(self, key):
@@ -128,7 +128,7 @@ def say(status, report):
     """The longest of the reports that tell the overrides, and of those that tell the offsets."""
     found = {}
     for _ in range(40):
-        text = bytes(status.text(report, 999_999_999)).decode()
+        text = bytes(status.report_bytes(report, 999_999_999)).decode()
         assert text[0] == "<" and text[-3:] == ">\r\n" and text.count("|") >= 2
         kind = "Ov" if "|Ov:" in text else "WCO" if "|WCO:" in text else ""
         found[kind] = max(found.get(kind, ""), text)

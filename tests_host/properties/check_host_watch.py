@@ -225,7 +225,7 @@ def check_what_needs_no_host():
 
 def check_noise_is_no_host():
     """On a framed link only a sound frame is a sign of life."""
-    for sign, state in ((b"?~!G1X1\n\0\1\2\0", "hold"), (codec.delimited(codec.frame(codec.ACK, 0, 0, 15)), "idle")):
+    for sign, state in ((b"?~!G1X1\n\0\1\2\0", "hold"), (codec.delimit_frames(codec.frame(codec.ACK, 0, 0, 15)), "idle")):
         machine = machine_with("pause", True)
         begin(machine, "G1X20\n")
         machine.put(HELLO_WIRE)

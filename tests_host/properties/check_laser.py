@@ -39,7 +39,7 @@ def play(lines, batches):
     port = Sink()
     app = App(checked(board_named("laser_xy")), port)
     link = app.links[0]
-    take = link.take
+    take = link.take_batch
     taken = []
 
     def counted(data, now_ms):
@@ -47,7 +47,7 @@ def play(lines, batches):
         taken.append((answers or b"").count(b"ok"))
         return answers
 
-    link.take = counted
+    link.take_batch = counted
     if not batches:
         app.links[0].batch = None
     said = b""

@@ -14,7 +14,7 @@ ONCE = {  # how often the pins have stopped, and the masks of events that a feat
 
 
 class Counter(Feature):
-    heeds = -1
+    event_mask = -1
 
     def __init__(self):
         self.heard = []
@@ -23,7 +23,7 @@ class Counter(Feature):
     def halt(self):
         self.halts += 1
 
-    def heed(self, what):
+    def on_events(self, what):
         self.heard.append(what)
 
 

@@ -111,7 +111,7 @@ def check_port_byte_live():
     expected = {0x86: 1, 0xDC: 1, 0xF0: 1, 0xD5: 1}
     machine.tell("run")
     seen = []
-    while machine.steps.live():
+    while machine.steps.may_change():
         seen.append(int(machine.status()["port"], 16))
     for byte in expected:
         assert byte in seen or byte | 0x80 in seen, (byte, seen)
@@ -179,9 +179,9 @@ def check_interrupted_and_returned(seed):
     interruptions = 0
     while interruptions < 200:
         machine.tell("run")
-        while machine.steps.live() and interruptions < 200:
+        while machine.steps.may_change() and interruptions < 200:
             machine.run_ms(random.between(0, 12))
-            if not machine.steps.live():
+            if not machine.steps.may_change():
                 break
             machine.tell("pause")
             machine.settle()
@@ -419,7 +419,7 @@ def enabled_while(machine, *words):
     for _ in range(100_000):
         seen.add(machine.world.outputs["enable"])
         machine.cycle()
-        if not machine.steps.live():
+        if not machine.steps.may_change():
             machine.settle()
             machine.take()
             return seen
@@ -458,7 +458,7 @@ def check_drives_on_the_way_back():
     assert machine.world.outputs["enable"] == 1
     places = []
     machine.tell("back")
-    while machine.steps.live():
+    while machine.steps.may_change():
         machine.cycle()
         places.append((machine.world.place[0], machine.world.outputs["enable"]))
     assert (4, 0) in places and (1, 0) in places and (3, 1) not in places and (1, 1) not in places

@@ -4,7 +4,7 @@ from asked_settings import BOARDS, SettingBoard, frames_of
 from draws import Random
 from passo import errors
 from passo.config.journal import Journal, MemorySlots
-from passo.protocols.setting_lines import decimal, thousandths
+from passo.protocols.setting_lines import decimal_text, parse_thousandths
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import TypedWords, line_of
 
@@ -21,10 +21,10 @@ OWN = tuple([name for name in NAMES if name != "router_3axis"])  # boards withou
 
 
 def check_decimals(value):
-    assert thousandths(decimal(value, 3)) == value
-    assert thousandths("%d" % value) == 1000 * value
+    assert parse_thousandths(decimal_text(value, 3)) == value
+    assert parse_thousandths("%d" % value) == 1000 * value
     for wrong in ("", "-", ".", "1.2345", "1e3", " 1", "1 ", "--1", "+1", "0x1", "1.2.3", "1234567890"):
-        assert thousandths(wrong) is None, wrong
+        assert parse_thousandths(wrong) is None, wrong
 
 
 def check_every_board_tells_its_settings():
@@ -33,7 +33,7 @@ def check_every_board_tells_its_settings():
         numbers, ok = board.say("$")
         assert ok == "ok" and numbers == "[$:%s]" % ",".join([str(number) for number in board.settings.numbers])
         for number in board.settings.numbers:
-            told = "$%d=%s" % (number, decimal(board.settings.value(number), board.settings.places(number)))
+            told = "$%d=%s" % (number, decimal_text(board.settings.value(number), board.settings.places(number)))
             assert board.say("$%d" % number) == [told, "ok"], (name, number)
 
 
@@ -60,7 +60,7 @@ def any_changes(board, random, most=6):
         number = board.settings.numbers[random.between(0, len(board.settings.numbers) - 1)]
         _, places, default, least, highest = board.settings._table[number]
         value = max(least, min(highest, default + random.between(-default // 4 - 1, default // 4 + 1)))
-        yield number, "$%d=%s" % (number, decimal(value, places))
+        yield number, "$%d=%s" % (number, decimal_text(value, places))
 
 
 def check_kept_over_power_off(seed):
@@ -194,7 +194,7 @@ def check_keys_stay_keys():
     kit = SettingBoard("two_motor_kit")
     kit.hear(b"$10C", 100)
     protocol = kit.app.links[0].protocol
-    assert protocol._is_turning(0) and not protocol.words.begun()
+    assert protocol._is_turning(0) and not protocol.words.is_amid_line()
     kit.hear(b"$100A7", 100)
     assert protocol._speed[0] == 0x37
     assert not [byte for byte in line_of("$100=48.5") if 0x41 <= byte <= 0x4A or byte == 0x3F]
@@ -203,11 +203,11 @@ def check_keys_stay_keys():
 def check_noise_of_lines(noise):
     words = TypedWords()
     for byte in noise + b"$1":
-        if words.fits(byte):
-            words.take(byte)
+        if words.takes_byte(byte):
+            words.take_byte(byte)
         else:
-            words.forget()
-    assert words.begun() and len(words._text) <= 40
+            words.forget_line()
+    assert words.is_amid_line() and len(words._text) <= 40
 
 
 class CutSlots(MemorySlots):

@@ -193,7 +193,7 @@ def check_position_at_every_word(drive, moves, each):
         rig.played = (rig.played + 1) & COUNT_MASK
         for axis in range(2):
             if rig.drive:
-                seen[axis] += rig.drive.moved(axis, before, levels)
+                seen[axis] += rig.drive.step_between(axis, before, levels)
             elif levels >> axis & 1:
                 seen[axis] += 1 if levels >> 2 + axis & 1 else -1
         before = levels
@@ -313,8 +313,8 @@ def check_independent(x, x_each, x_rest, y, y_each, y_rest):
     """Each axis steps at its own mean rate to its own count; sharing a word moves a step by less than `least`."""
     rig = Rig()
     axes = IndependentAxes(2, LEAST_TICKS)
-    axes.set(0, x, x_each, x_rest, 7)
-    axes.set(1, y, y_each, y_rest, 7, negative=True)
+    axes.run_axis(0, x, x_each, x_rest, 7)
+    axes.run_axis(1, y, y_each, y_rest, 7, negative=True)
     rig.planner.walk(axes, False)
     words = rig.run()
     seen = [[], []]
@@ -335,8 +335,8 @@ def check_independent_for_ever_and_live():
     """Endless axes go on until a stop; a new rate counts from the next step."""
     rig = Rig("unipolar half")
     axes = IndependentAxes(2, LEAST_TICKS)
-    axes.set(0, ENDLESS, 50_000)
-    axes.set(1, ENDLESS, 6_350_000)
+    axes.run_axis(0, ENDLESS, 50_000)
+    axes.run_axis(1, ENDLESS, 6_350_000)
     rig.planner.walk(axes, False)
     rig.planner.flush()
     ticks = 0
@@ -345,14 +345,14 @@ def check_independent_for_ever_and_live():
     position = rig.feeder.position(rig.played)
     assert abs(position[0] - ticks // 50_000) <= 1
     assert abs(position[1] - ticks // 6_350_000) <= 1
-    axes.set(1, ENDLESS, 50_000, negative=True)
+    axes.run_axis(1, ENDLESS, 50_000, negative=True)
     later = 0
     while later < 5_000_000:
         later += total_ticks(rig.take())
     turned = rig.feeder.position(rig.played)
     assert abs(position[1] - turned[1] - later // 50_000) <= 2
-    axes.set(0, 0, 50_000)
-    axes.set(1, 0, 50_000)
+    axes.run_axis(0, 0, 50_000)
+    axes.run_axis(1, 0, 50_000)
     while not rig.planner.empty():
         rig.take()
         rig.feeder.retire(rig.played)
@@ -363,7 +363,7 @@ def check_independent_refuses_what_it_cannot_do():
     axes = IndependentAxes(1, 50)
     for steps, each, rest, over in ((-2, 1000, 0, 1), (1, 99, 0, 1), (1, 1000, 3, 3), (1, 0x1FFFFFFF, 0, 1)):
         try:
-            axes.set(0, steps, each, rest, over)
+            axes.run_axis(0, steps, each, rest, over)
         except ValueError:
             continue
         raise AssertionError("accepted")

@@ -69,7 +69,7 @@ class Bench:
 
     def attempt(self, text):
         """The same; None where the line is refused."""
-        if self.gcode.interpret(text.encode()):
+        if self.gcode.interpret_line(text.encode()):
             return None
         self.path = [tuple(self.place)]
         for command in self.gcode.commands:

@@ -49,7 +49,7 @@ class Pages:
         at = (block * self.SLOTS + slot) * self.BYTES
         self._all[at : at + self.BYTES] = data
 
-    def erase(self, block):
+    def erase_block(self, block):
         for slot in range(self.SLOTS):
             self.write(block, slot, b"\xff" * self.BYTES)
 

@@ -132,8 +132,8 @@ def test_counters_wrap():
 def test_axes_that_turn_for_ever():
     rig = small_rig("unipolar half", 2)
     axes = independent.IndependentAxes(2, LEAST_TICKS)
-    axes.set(0, ENDLESS, 0x1FFFFFFE, 2, 3)
-    axes.set(1, ENDLESS, 2 * LEAST_TICKS, 5, 7, negative=True)
+    axes.run_axis(0, ENDLESS, 0x1FFFFFFE, 2, 3)
+    axes.run_axis(1, ENDLESS, 2 * LEAST_TICKS, 5, 7, negative=True)
     rig.planner.walk(axes, False)
     rig.planner.flush()
     assert sum(play(rig, 10) for _ in range(60)) > 1000
@@ -143,7 +143,7 @@ def test_axes_that_turn_for_ever():
     st.lists(
         st.one_of(
             st.builds(step_program.run, st.integers(1, 7), st.integers(0, 7), st.integers(1, step_program.MOST)),
-            st.builds(step_program.mark, st.sampled_from((step_program.DWELL, step_program.TOOL, step_program.SPEED)), st.integers(1, step_program.MOST)),
+            st.builds(step_program.make_mark, st.sampled_from((step_program.DWELL, step_program.TOOL, step_program.SPEED)), st.integers(1, step_program.MOST)),
         ),
         min_size=1,
         max_size=30,
@@ -159,7 +159,7 @@ def test_no_step_program_reaches_a_wide_integer(items, backward):
         path.append(Small(item))
     lengths = SmallList("i", [0] + [0x3FC00000] * 7)
     walker = step_program_walker.StepProgramWalker(path, lengths, SmallList("i", [0x1FFFFFFF] * 2))
-    walker.rewind()
+    walker.go_to_start()
     if backward:
         walker.cell = path.end
         walker.index = path.total

@@ -61,7 +61,7 @@ LONG_FUNCTIONS = {
 # {kernel: why it is longer}
 LONG_KERNELS = {
     "passo/ports/esp32/frames_viper.py:make": "an ESP32 has viper only: what it counts stays in registers for all frames of a piece",
-    "passo/protocols/grbl/text_viper.py:lengths": "digits of a number in any of three forms, where viper compiles it from flash",
+    "passo/protocols/grbl/text_viper.py:set_lengths": "digits of a number in any of three forms, where viper compiles it from flash",
 }
 
 

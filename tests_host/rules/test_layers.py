@@ -66,7 +66,7 @@ NAMES_OPTIONS = {
 }
 
 # Shared by languages; otherwise none imports another.
-SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.words", "passo.protocols.setting_lines", "passo.protocols.typed_words", "passo.protocols.HELLO_WIRE", "passo.protocols.extended")
+SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.words", "passo.protocols.setting_lines", "passo.protocols.typed_words", "passo.protocols.HELLO_WIRE", "passo.protocols.extend_language")
 
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}

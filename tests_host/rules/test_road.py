@@ -23,7 +23,7 @@ ROAD = (
     "ports/virtual.py MemoryLine.read",
     "app.py App._receive",
     "app.py App._in_batches",
-    "protocols/grbl/protocol.py Grbl.take",
+    "protocols/grbl/protocol.py Grbl.take_batch",
     "protocols/grbl/take_viper.py take_lines",
     "app.py App._feed",
     "steps/feeder.py Feeder.fill",
@@ -39,8 +39,8 @@ ASKED = {
     "control/line_batches.py LineBatches.reach",
     "control/queue.py Queue.room",
     "motion/row_viper.py room",
-    "protocols/gcode/parser.py GCode.opens",
-    "protocols/grbl/lines.py keep",
+    "protocols/gcode/parser.py GCode.open_rows",
+    "protocols/grbl/lines.py buffer_bytes",
     "protocols/grbl/protocol.py Grbl._open_batch",
 }
 # The answer, and the end of the batch.

@@ -53,7 +53,7 @@ class Axes(Nothing):
         axes = self.layout.axes
         for axis in range(axes):
             if self.drive is not None:
-                step = self.drive.moved(axis, self._before, levels)
+                step = self.drive.step_between(axis, self._before, levels)
             else:
                 if changed >> (axes + axis) & 1:
                     self.turned[axis] = tick
@@ -132,7 +132,7 @@ class FreeMachine:
     def settle(self):
         for _ in range(100_000):
             self.cycle()
-            if self.controller.queue.still() and not self.part.active():
+            if self.controller.queue.still() and not self.part.owns_axes():
                 return
         raise AssertionError("it goes on and on")
 

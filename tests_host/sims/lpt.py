@@ -32,7 +32,7 @@ class Slots:
         assert (block, slot) not in self._written, "a page that is not erased"
         self._written[block, slot] = data
 
-    def erase(self, block):
+    def erase_block(self, block):
         for slot in range(self.SLOTS):
             self._written.pop((block, slot), None)
 
@@ -162,7 +162,7 @@ class Lpt:
     def settle(self):
         """Until nothing moves."""
         self.cycle()
-        while self.steps.live():
+        while self.steps.may_change():
             self.cycle()
 
     def picture(self):

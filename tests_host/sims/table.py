@@ -43,7 +43,7 @@ class Table(Nothing):
             return
         moved = False
         for axis in range(2):
-            step = self.drive.moved(axis, self._before, coils)
+            step = self.drive.step_between(axis, self._before, coils)
             self.place[axis] += step
             self.lowest[axis] = min(self.lowest[axis], self.place[axis])
             moved = moved or step

@@ -30,10 +30,10 @@ def test_the_page_has_the_frames():
     kinds = {getattr(codec, kind) for _, kind, *_ in vectors()}
     assert len(vectors()) == 12 and kinds == set(range(codec.WELCOME, codec.CLOSED + 1))
     for wire, kind, number, ack, credit, data in vectors():
-        assert codec.delimited(codec.frame(getattr(codec, kind), number, ack, credit, data)) == wire
+        assert codec.delimit_frames(codec.frame(getattr(codec, kind), number, ack, credit, data)) == wire
         chunk = bytearray(wire[1:-1])
-        assert codec.sound(chunk, 0, len(chunk))
-        assert codec.header(chunk, 0) == (getattr(codec, kind), number, ack, credit)
+        assert codec.is_sound(chunk, 0, len(chunk))
+        assert codec.parse_header(chunk, 0) == (getattr(codec, kind), number, ack, credit)
         assert bytes(chunk[codec.HEAD : -codec.CHECK]) == data
     assert HELLO_WIRE.hex(" ") in PAGE.read_text()
 
@@ -106,8 +106,8 @@ def test_a_session_that_was_left_open_is_ended_on_a_bad_wire():
 
 def kind_of(wire):
     chunk = bytearray(wire.strip(b"\0"))
-    assert codec.sound(chunk, 0, len(chunk))
-    return codec.header(chunk, 0)[0]
+    assert codec.is_sound(chunk, 0, len(chunk))
+    return codec.parse_header(chunk, 0)[0]
 
 
 def test_nothing_is_sent_behind_leave():

@@ -12,7 +12,7 @@ from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.control.quality import Quality
-from passo.protocols.grbl.homing import told
+from passo.protocols.grbl.homing import homing_lines
 
 PULL_OFF = 640
 RACK = 200
@@ -265,4 +265,4 @@ def test_the_judgement_is_of_the_edges_themselves():
         for number, edge in enumerate(edges):
             assert quality.again([[Edges(start, edge)]]) == (number < len(edges) - 1)
             start = edge + 100
-        assert told(quality.found()) == wanted + "\r\n"
+        assert homing_lines(quality.found()) == wanted + "\r\n"

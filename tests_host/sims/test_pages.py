@@ -22,7 +22,7 @@ def test_a_program_that_is_killed_as_it_writes_loses_nothing(tmp_path, monkeypat
     with pytest.raises(KeyboardInterrupt):
         pages.write(0, 1, b"second")
     with pytest.raises(KeyboardInterrupt):
-        pages.erase(0)
+        pages.erase_block(0)
     monkeypatch.undo()
     assert path.read_bytes() == before and len(before) == BLOCK * Pages.BLOCKS
     assert Pages(path).read(0, 0)[:5] == b"first"

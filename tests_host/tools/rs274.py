@@ -148,7 +148,7 @@ def of_board(codes, short_way=False, linear=False):
     gcode.turns = 0 if linear else 3 if short_way else 1
     path, here = [], np.zeros(4)
     for code in codes:
-        error = gcode.interpret(code.replace(" ", "").encode())
+        error = gcode.interpret_line(code.replace(" ", "").encode())
         if error:
             raise ValueError(f"{code}: error {error}")
         for command in commands_of(gcode.commands):

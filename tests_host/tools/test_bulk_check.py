@@ -47,7 +47,7 @@ class Edges(Resting):
         moved = False
         for axis in range(self.layout.axes):
             if self.drive:
-                step = self.drive.moved(axis, self.before, levels & (self.layout.tool_mask - 1))
+                step = self.drive.step_between(axis, self.before, levels & (self.layout.tool_mask - 1))
             else:
                 rises = (changed & levels) >> axis & 1
                 step = rises * (1 if levels >> (self.layout.motors + axis) & 1 else -1)

@@ -13,7 +13,7 @@ from passo.records import COUNT_MASK
 
 
 class Changeover(Feature):
-    heeds = SAFE
+    event_mask = SAFE
 
     def __init__(self, board, machine, queue):
         self._port = machine.port
@@ -40,7 +40,7 @@ class Changeover(Feature):
             self._switch(True)
         return self._due_ms is None
 
-    def heed(self, _=SAFE):
+    def on_events(self, _=SAFE):
         """To the other controller, at once as far as this board's relays go: the safe state."""
         if self.ours:
             self._switch(False)
@@ -48,7 +48,7 @@ class Changeover(Feature):
     def poll(self, now_ms):
         machine = self._machine
         if (machine.alarm not in errors.WATCHED or machine.sleeping) and self._queue.still():
-            self.heed()
+            self.on_events()
         if self._due_ms is None:
             return
         machine.awake = True

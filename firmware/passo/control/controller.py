@@ -48,11 +48,11 @@ class Controller:
         self._long = overriding(features, "poll_command")
         self._holds = overriding(features, "poll_hold")
         self._ends = overriding(features, "poll_end")
-        self.lives = overriding(features, "live")
+        self.lives = overriding(features, "may_change")
         self.readies = overriding(features, "ready") + (machine.motors.ready,)  # all have to say so before words are played
         self._busies = overriding(features, "busy")
-        self._stops = overriding(features, "stopped")
-        self.asks = overriding(features, "asked")
+        self._stops = overriding(features, "claim_stop")
+        self.asks = overriding(features, "on_status_request")
         self._batches = {}  # (open, accept, close) by their kind
         for feature in features:
             self._batches.update(feature.batches() or {})
@@ -81,7 +81,7 @@ class Controller:
                 return True
         return False
 
-    def live(self):
+    def may_change(self):
         """True while what is under way may change at any moment: few words should lie ahead."""
         for live in self.lives:
             if live():

@@ -16,7 +16,7 @@ _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 
 class Drawing(Feature):
-    heeds = WORK_GONE | HOMING
+    event_mask = WORK_GONE | HOMING
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
@@ -41,7 +41,7 @@ class Drawing(Feature):
             commands.JOG: self._jog,
         }
 
-    def heed(self, what):
+    def on_events(self, what):
         """Homing forgets the object, which refers to the old origin. After WORK_GONE the next work is of no job."""
         self.points.clear()
         if what & WORK_GONE:

@@ -44,19 +44,19 @@ class Feature:
     poll_end = _nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays
 
     # Questions:
-    active = _nothing  # active(): True while the axes are this feature's alone
-    held = _nothing  # held(): True if it stands in the middle of its work, until somebody says what next
-    live = _nothing  # live(): True while what is under way may change at any moment: few words should lie ahead
+    owns_axes = _nothing  # owns_axes(): True while the axes are this feature's alone
+    is_held = _nothing  # is_held(): True if it stands in the middle of its work, until somebody says what next
+    may_change = _nothing  # may_change(): True while what is under way may change at any moment: few words should lie ahead
     ready = _nothing  # ready(): True if words may be played; only a feature that overrides it has a say
     busy = _nothing  # busy(): True while it is about to move, though nothing is queued
     report = _nothing  # report(report): adds to a status report
-    asked = _nothing  # asked(link): `link` has asked for the status
+    on_status_request = _nothing  # on_status_request(link): `link` has asked for the status
 
     # Events:
-    stopped = _nothing  # stopped(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
+    claim_stop = _nothing  # claim_stop(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
     halt = _nothing  # halt(): the pins have stopped; the queue is dropped next
-    heeds = 0  # of the masks above: those that heed() is for
-    heed = _nothing  # heed(what): all events of one moment, as masks
+    event_mask = 0  # of the masks above: those that on_events() is for
+    on_events = _nothing  # on_events(what): all events of one moment, as masks
     show_outputs = _nothing  # show_outputs(on): False: the door holds the machine; True: it goes on
 
 

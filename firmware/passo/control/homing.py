@@ -133,7 +133,7 @@ class Homing(Feature):
         machine = self._machine
         homed = machine.command.value
         if machine.squaring:
-            machine.squaring.both()
+            machine.squaring.use_both()
         again = self._quality and self._quality.again(self._groups)
         self._queue.set_origin(homed or -1)
         if again:
@@ -160,7 +160,7 @@ class Homing(Feature):
         """Begin, with the settings as they are now."""
         squaring = self._machine.squaring
         if squaring:
-            self._phases = self._phases[:4] + squaring.phases(self)
+            self._phases = self._phases[:4] + squaring.make_phases(self)
         names = [axis["name"] for axis in self._axes]
         order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
         mask = self._machine.command.value or self._all

@@ -92,7 +92,7 @@ class HostWatch(Feature):
                 self._lost(link)
             self._since_ms = now_ms
 
-    def asked(self, link):
+    def on_status_request(self, link):
         """The host of `link` has asked for the status."""
         if link is None or link.number != self._number or link.number not in self._lines:
             return
@@ -117,7 +117,7 @@ class HostWatch(Feature):
             rises = self._rises and machine.homed and not machine.settings.value(table.LASER)
             if rises and link["lost"] == "retract":
                 self._retracts = machine.retracts = True
-                self.heeds = WORK_GONE  # else there is nothing to end
+                self.event_mask = WORK_GONE  # else there is nothing to end
         else:
             machine.note(errors.HOST_LOST, link["name"])
             machine.carry_out(commands.HOLD)
@@ -137,10 +137,10 @@ class HostWatch(Feature):
             queue.go(target, 0, 0, queue.tool, 0)
             queue.flush()
         else:
-            self.heed()
+            self.on_events()
 
-    def heed(self, _=WORK_GONE):
+    def on_events(self, _=WORK_GONE):
         """It is up, or all work is dropped."""
-        self.heeds = 0
+        self.event_mask = 0
         self._retracts = self._up = self._machine.retracts = False
         self._machine.inform(OFF)

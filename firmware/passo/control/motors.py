@@ -88,5 +88,5 @@ class Motors:
             self._port.output(name, (state != RELEASED) != self._enable_inverted)
         if self._drive is None:
             return
-        levels = self._off_levels if state == RELEASED else self._drive.holding() if state == HOLDING else self._drive.levels()
+        levels = self._off_levels if state == RELEASED else self._drive.levels_at_rest() if state == HOLDING else self._drive.levels()
         self._player.rest(levels | (self._tool_mask if self._tool else 0))

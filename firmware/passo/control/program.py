@@ -29,7 +29,7 @@ def minute_ticks(command):
 
 
 class Program(LineBatches):
-    heeds = QUEUE_GONE | WORK_GONE
+    event_mask = QUEUE_GONE | WORK_GONE
     _queue_otherwise = None  # an option's method (command, ticks): it queues the motion and returns True, or leaves it; may raise ValueError
     _steady_mm_min = 0  # an option's: the speed up to which there are no ramps, if $140 has a lower one
 
@@ -50,7 +50,7 @@ class Program(LineBatches):
             commands.SYNC: self._sync,
         }
 
-    def heed(self, what):
+    def on_events(self, what):
         """Behind the stand of a hold a probe has done its work."""
         if what & QUEUE_GONE and self._touch is not None and self._machine.busy_with(commands.PROBE):
             self._machine.finish((self._touch, True))

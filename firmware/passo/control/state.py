@@ -86,8 +86,8 @@ class MachineState:
     def join(self, features):
         """`features`: all there are. Called once, by the controller."""
         self._features = features
-        self.actives = overriding(features, "active")
-        self._held = overriding(features, "held")
+        self.actives = overriding(features, "owns_axes")
+        self._held = overriding(features, "is_held")
         self._reports = overriding(features, "report")
         self._halts = overriding(features, "halt")
         for feature in features:
@@ -151,11 +151,11 @@ class MachineState:
         veto = self.veto
         if veto is None or not veto.denied:
             return 0
-        wrong = veto.refusal(steps, tool)
+        wrong = veto.refusal_mask(steps, tool)
         if not wrong:
             return 0
         if note:
-            self.note(errors.INTERLOCKED, veto.blamed(wrong))
+            self.note(errors.INTERLOCKED, veto.blocking_input(wrong))
         return errors.INTERLOCKED
 
     def gate(self):
@@ -241,10 +241,10 @@ class MachineState:
             feature.show_outputs(on)
 
     def inform(self, what):
-        """Call heed(what) of each feature that heeds an event in `what`, masks of feature.py."""
+        """Call on_events(what) of each feature whose event_mask has an event in `what`, masks of feature.py."""
         for feature in self._features:
-            if feature.heeds & what:
-                feature.heed(what)
+            if feature.event_mask & what:
+                feature.on_events(what)
 
     def drop_at_stand(self):
         """Come to a stand, then drop what is queued."""
@@ -273,7 +273,7 @@ class MachineState:
             self.end_hold()
 
     def forget(self, also=0):
-        """Drop all work, begun or waiting. The caller drops the queue. `also`: further masks for heed()."""
+        """Drop all work, begun or waiting. The caller drops the queue. `also`: further masks for on_events()."""
         self.inform(WORK_GONE | also)
         self.drawing = self.jogging = self.active = self.fresh = False
         self.awake = True
@@ -326,7 +326,7 @@ class MachineState:
             self.motors.release()
 
     def raise_alarm(self, number, who=None, also=0):
-        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: further masks for heed()."""
+        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: further masks for on_events()."""
         command = self.command
         if number in errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.

@@ -15,7 +15,7 @@ _HIGHEST = const(200)
 
 
 class Tools(Feature):
-    heeds = OFF | HANDED_OVER | ANEW
+    event_mask = OFF | HANDED_OVER | ANEW
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
@@ -29,7 +29,7 @@ class Tools(Feature):
         self._cools = 0  # coolant as it is; the machine has it as it should be
         machine.overrides = [100, 100, 100]  # feed, rapid, spindle
 
-    def heed(self, what):
+    def on_events(self, what):
         """Spindle and coolant off; with ANEW all is as after power-up."""
         machine = self._machine
         machine.spindle = SPINDLE_OFF

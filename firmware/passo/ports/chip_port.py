@@ -329,4 +329,4 @@ class ChipPort:
         if self.bank is not None:
             self.bank.exchange()  # the tool may show there
         if self.veto is not None and item in self._halting:
-            self.veto.halted(item)
+            self.veto.note_halt(item)

@@ -163,4 +163,4 @@ class Player:
 
     def _switch(self, tick):
         """Change the outputs that are due; the word of the next."""
-        return self._switches.show(self._played, lambda value: self._change(tick, value))
+        return self._switches.show_due(self._played, lambda value: self._change(tick, value))

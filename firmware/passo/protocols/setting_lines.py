@@ -1,6 +1,6 @@
 """Lines about settings, for languages that are not of lines: the same numbers as grbl's, and the board file's languages' own.
 
-    teach(words)            # `words`: a protocols.words.Words
+    teach_lines(words)      # `words`: a protocols.words.Words
 
     $               [$:0,1,2,3 …]   the numbers that there are
     $100            $100=48.000
@@ -20,7 +20,7 @@ _DECIMALS = const(3)
 _LONGEST = const(9)  # digits before the point
 
 
-def thousandths(text):
+def parse_thousandths(text):
     """The whole number of thousandths that a decimal number is, or None if it is none or has more decimals."""
     sign, digits = (-1, text[1:]) if text[:1] == "-" else (1, text)
     whole, point, part = digits.partition(".")
@@ -29,14 +29,14 @@ def thousandths(text):
     return sign * int((whole or "0") + (part + "000")[:_DECIMALS])
 
 
-def decimal(value, places):
+def decimal_text(value, places):
     """A setting's value as text; `places`: 0, or 3 of a value in thousandths."""
     if not places:
         return str(value)
     return "%s%d.%03d" % ("-" if value < 0 else "", abs(value) // 1000, abs(value) % 1000)
 
 
-def understand(machine, text):
+def line_commands(machine, text):
     """The command of a line in which `text` follows `$`, or the number of an error."""
     key, equals, value = text.partition("=")
     if not text:
@@ -45,7 +45,7 @@ def understand(machine, text):
         return errors.STATEMENT
     command = Command(SETTING, int(key), None)
     if equals and value:
-        command.value = thousandths(value)
+        command.value = parse_thousandths(value)
         if command.value is None:
             return errors.NUMBER
     elif equals:
@@ -53,10 +53,10 @@ def understand(machine, text):
     return [command]
 
 
-def told(value):
+def answer_text(value):
     """The line that tells a setting, or which there are."""
     if isinstance(value, tuple):
-        return "$%d=%s\n" % (value[0], decimal(value[1], value[2]))
+        return "$%d=%s\n" % (value[0], decimal_text(value[1], value[2]))
     return "[$:%s]\n" % ",".join([str(number) for number in value])
 
 
@@ -68,5 +68,5 @@ def add_jogs(axes, board, table):
         table[150 + number] = axis["name"] + "_jog", 3, jog_um, 0, 999_999_999
 
 
-def teach(words):
-    words.learn("$", SETTING, understand, told)
+def teach_lines(words):
+    words.learn_lines("$", SETTING, line_commands, answer_text)

@@ -1,7 +1,7 @@
 """Lines of text in languages whose bytes have no answers: each character comes alone, and three digits prove the line.
 
     words = TypedWords()
-    command = words.take(ord("$"))      # None until the line ends: then its Command
+    command = words.take_byte(ord("$")) # None until the line ends: then its Command
     line_of("$100=48.5")                # b"$100=48.5*107\\n": the host's end
 
 A line begins with `$` and has digits, `=`, `.` and `-`; behind it stand `*` and the sum of its bytes modulo 256, then a line feed. The
@@ -30,19 +30,19 @@ class TypedWords(Words):
         Words.__init__(self)
         self._text = b""
 
-    def begun(self):
+    def is_amid_line(self):
         """True while a line has begun and not ended."""
         return bool(self._text)
 
-    def fits(self, byte):
+    def takes_byte(self, byte):
         """True if `byte` begins a line, or goes on with it."""
         return byte == _START or bool(self._text) and byte in _LETTERS and len(self._text) < _LONGEST
 
-    def forget(self):
+    def forget_line(self):
         self._text = b""
 
-    def take(self, byte):
-        """The Command of the line that `byte` ends; None: it goes on. Ask fits() first."""
+    def take_byte(self, byte):
+        """The Command of the line that `byte` ends; None: it goes on. Ask takes_byte() first."""
         if byte == _START:
             self._text = b""
         if byte != _END:
@@ -52,4 +52,4 @@ class TypedWords(Words):
         self._text = b""
         if check != "%03d" % (sum(text.encode()) & 255):
             return Command(BAD, value=LINE, error=errors.GARBLED)
-        return self.command(text)
+        return self.line_command(text)

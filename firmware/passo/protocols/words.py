@@ -1,9 +1,9 @@
 """Lines of text in languages that are not of lines: the words that options add to them.
 
-    words = Words.of(protocol)                          # made when it is asked for first
-    words.learn("$F", JOB, understand, told)            # as Grbl.learn()
-    words.command("$F=PART")        # a Command; BAD if no line begins so
-    words.answer(event)             # the bytes that answer it; None: the event is of no such line
+    words = Words.words_of(protocol)    # made when it is asked for first
+    words.learn_lines("$F", JOB, line_commands, answer_text)      # as Grbl.learn_lines()
+    words.line_command("$F=PART")       # a Command; BAD if no line begins so
+    words.event_bytes(event)            # the bytes that answer it; None: the event is of no such line
 """
 
 from passo import errors
@@ -19,16 +19,16 @@ class Words:
         self.notices = {}  # by number of a notice: a function that returns its text for a value
 
     @classmethod
-    def of(cls, protocol):
+    def words_of(cls, protocol):
         if protocol.words is None:
             protocol.words = cls()
         return protocol.words
 
-    def learn(self, start, kind, understand, told, asked=False):
+    def learn_lines(self, start, kind, understand, told, asked=False):
         self._lines.append((start, understand))
         self._told[kind] = told
 
-    def command(self, line):
+    def line_command(self, line):
         found = errors.STATEMENT
         for start, understand in self._lines:
             if line.startswith(start):
@@ -37,7 +37,7 @@ class Words:
             return Command(BAD, value=LINE, error=found)
         return found[0]
 
-    def answer(self, event):
+    def event_bytes(self, event):
         command = event.command
         told = self._told.get(command.kind)
         if not told and (command.kind != BAD or command.value != LINE):
@@ -47,7 +47,7 @@ class Words:
         said = told(event.value).replace("\r", "") if told and event.value else ""
         return (said + "ok\n").encode()
 
-    def notice(self, event):
+    def notice_bytes(self, event):
         """The line of a notice, in bytes; empty if no option has taught its number."""
         say = self.notices.get(event.error)
         return ("[MSG:%s]\n" % say(event.value)).encode() if say else b""

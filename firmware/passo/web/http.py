@@ -74,7 +74,7 @@ class Server:
         """The language of `link` answers requests: it says which paths, and its GETS begin with the one that is shown at / and pushed to
         pages; its PAGE is the file of the folder that stands behind each answer in HTML."""
         protocol = link.protocol
-        self._guard.set_admission(controller.features["admission"].admitted if self._legacy else None, protocol.FREE, protocol.KEYED)
+        self._guard.set_admission(controller.features["admission"].is_admitted if self._legacy else None, protocol.FREE, protocol.KEYED)
         self._posts, self._gets, self._page = protocol.POSTS, protocol.GETS, protocol.PAGE
 
     def any(self):

@@ -25,7 +25,7 @@ class Played(Machine):
         self.um = [self.random.choice((0, 3, 25, 60, 400)) for _ in range(3)]
         planner = backlash.Planner(3, {"additions": self})
         rig = Rig(axes=3, planner=planner)
-        planner.follow(lambda: rig.feeder.found(rig.played))
+        planner.follow_motors(lambda: rig.feeder.found(rig.played))
         return rig
 
     def __init__(self, seed, kind):
@@ -85,7 +85,7 @@ def hold_limits(seed, kind):
 def told(machine):
     rig = machine.rig
     rig.feeder.retire(rig.played)
-    return list(rig.planner.turn(rig.feeder.position(rig.played)))
+    return list(rig.planner.to_axes(rig.feeder.position(rig.played)))
 
 
 def check_what_is_told(seed, kind):
@@ -113,7 +113,7 @@ def check_what_is_told(seed, kind):
             planner.stop(motors)
             rig.feeder.cancel(rig.played)
             planner.clear()
-            assert list(planner.turn(motors)) == carriages.place
+            assert list(planner.to_axes(motors)) == carriages.place
             machine.place = list(carriages.place)
     assert told(machine) == carriages.place == machine.place
 

@@ -67,15 +67,15 @@ def test_the_crc_is_the_datasheet_s():
     """Both ways to reckon it agree, on the datasheet's own polynomial; a telegram ends with it."""
     for data in (b"\x05\x00\x06", b"\x05\x03\x80\x00\x00\x01\xc0", bytes(range(7)), b"\xff" * 7):
         assert tmc2209.telegram_crc(data) == crc8(data)
-    assert tmc2209.telegram(0, 0x06) == bytes((5, 0, 6, crc8(b"\x05\x00\x06")))
-    assert tmc2209.value(b"\x05\xff\x06\x21\x00\x00\x00" + bytes((crc8(b"\x05\xff\x06\x21\x00\x00\x00"),)), 6) == 0x21000000
-    assert tmc2209.value(b"\x05\xff\x06\x21\x00\x00\x00\x00", 6) is None and tmc2209.value(b"\x05\xff", 6) is None
+    assert tmc2209.make_telegram(0, 0x06) == bytes((5, 0, 6, crc8(b"\x05\x00\x06")))
+    assert tmc2209.reply_value(b"\x05\xff\x06\x21\x00\x00\x00" + bytes((crc8(b"\x05\xff\x06\x21\x00\x00\x00"),)), 6) == 0x21000000
+    assert tmc2209.reply_value(b"\x05\xff\x06\x21\x00\x00\x00\x00", 6) is None and tmc2209.reply_value(b"\x05\xff", 6) is None
 
 
 @pytest.mark.parametrize("current_ma, sense_mohm, wanted", [(800, 110, (1, 25)), (1200, 110, (0, 20)), (977, 110, (1, 30)), (1770, 110, (0, 31)), (50, 110, (1, 0)), (1900, 110, None)])
 def test_the_current_scale_is_the_datasheet_s(current_ma, sense_mohm, wanted):
     """I = (CS + 1) / 32 · V / (R + 20 mΩ) / √2: never above what is asked, but for the least."""
-    found = tmc2209.scale(current_ma, sense_mohm)
+    found = tmc2209.current_scale(current_ma, sense_mohm)
     assert found == wanted
     if found and found[1]:
         volts = 0.18 if found[0] else 0.325

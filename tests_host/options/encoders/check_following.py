@@ -5,7 +5,7 @@ from array import array
 from passo.records import COUNT_MASK
 from passo.options.encoders.steps_viper import (
     FOLLOW_AXIS, FOLLOW_DEN, FOLLOW_ERROR, FOLLOW_FIELDS, FOLLOW_LIMIT, FOLLOW_MOST, FOLLOW_NEGATIVE, FOLLOW_NUM, FOLLOW_OFF,
-    FOLLOW_SHIFT, FOLLOW_TOTAL, follow,
+    FOLLOW_SHIFT, FOLLOW_TOTAL, follow_steps,
 )  # fmt: skip
 
 RATIOS = ((5, 1), (10, 1), (5, 8), (3, 7), (2000, 1))  # counts a step: of 2004, microsteps, and others
@@ -34,7 +34,7 @@ def check_the_error_is_what_is_missing(ratio, negative, start, moves):
     sign = -1 if negative else 1
     counts = array("i", [start])
     place = array("i", [0, 0])
-    follow(table, 1, counts, place, place)
+    follow_steps(table, 1, counts, place, place)
     begun = table[FOLLOW_ERROR]
     table[FOLLOW_SHIFT] = -begun
     turned = stepped = most = 0
@@ -43,7 +43,7 @@ def check_the_error_is_what_is_missing(ratio, negative, start, moves):
         turned += steps - lost
         counts[0] = (start + sign * (turned * num // den)) & COUNT_MASK
         place[1] = stepped
-        beyond = follow(table, 1, counts, place, place)
+        beyond = follow_steps(table, 1, counts, place, place)
         missing = stepped - turned
         error = table[FOLLOW_ERROR]
         assert -missing * num - den < error <= -missing * num
@@ -58,7 +58,7 @@ def check_what_is_stepped_meanwhile_is_allowed_for(steps, part, lost):
     table = table_of(0)
     turned = steps * part // 100 + lost
     counts = array("i", [turned * 5 & COUNT_MASK])
-    beyond = follow(table, 1, counts, array("i", [0, 0]), array("i", [0, steps]))
+    beyond = follow_steps(table, 1, counts, array("i", [0, 0]), array("i", [0, steps]))
     low, high = min(0, steps), max(0, steps)
     assert beyond == (1 if turned > high + 8 or turned < low - 8 else 0)
 
@@ -68,11 +68,11 @@ def check_a_motor_left_out_is_not_asked():
     table = table_of(0)
     table[FOLLOW_OFF] = 1
     counts = array("i", [0])
-    assert follow(table, 1, counts, array("i", [0, 40]), array("i", [0, 41])) == 0
+    assert follow_steps(table, 1, counts, array("i", [0, 40]), array("i", [0, 41])) == 0
     assert table[FOLLOW_ERROR] == 0
     table[FOLLOW_OFF] = 0
-    assert follow(table, 1, counts, array("i", [0, 60]), array("i", [0, 60])) == 1
+    assert follow_steps(table, 1, counts, array("i", [0, 60]), array("i", [0, 60])) == 1
     table[FOLLOW_SHIFT] = 100
     for _ in range(2):
-        assert follow(table, 1, counts, array("i", [0, 60]), array("i", [0, 60])) == 0
+        assert follow_steps(table, 1, counts, array("i", [0, 60]), array("i", [0, 60])) == 0
         assert table[FOLLOW_ERROR] == 0

@@ -36,7 +36,7 @@ def rig(uf2):  # noqa: F811
 
 def counted(rig):
     rig.pico.exec("for i in range(5): sleep_ms(1); app.cycle()")
-    return eval(rig.pico.exec("print([port.encoders.count(n) for n in range(4)])"))
+    return eval(rig.pico.exec("print([port.encoders.count_of(n) for n in range(4)])"))
 
 
 def test_four_encoders_at_250_khz_while_three_axes_step_at_100_khz(rig, show):
@@ -93,7 +93,7 @@ def test_an_index_pulse_is_noticed_in_its_interrupt(rig):
             rig.pico.run(50)
 
     def index():
-        return eval(rig.pico.exec("i = port.encoders.indexes[0]; print((i.seen, i.off()))"))
+        return eval(rig.pico.exec("i = port.encoders.indexes[0]; print((i.seen, i.counts_off()))"))
 
     pulse()
     wires.turn_by(2000)
@@ -104,7 +104,7 @@ def test_an_index_pulse_is_noticed_in_its_interrupt(rig):
     rig.pico.run(9000)
     pulse()
     assert index() == (3, -70)
-    rig.pico.exec("import micropython\nmicropython.heap_lock()\nport.encoders.check()\ni.edge(None)\nmicropython.heap_unlock()")
+    rig.pico.exec("import micropython\nmicropython.heap_lock()\nport.encoders.check()\ni.on_edge(None)\nmicropython.heap_unlock()")
 
 
 def test_the_spindles_pulses_are_counted_in_their_interrupt(uf2):  # noqa: F811
@@ -116,12 +116,12 @@ def test_the_spindles_pulses_are_counted_in_their_interrupt(uf2):  # noqa: F811
         for level, us in ((1, 20), (0, 10), (1, 20), (0, 450)):
             rig.pico.drive_pin(INDEX_PIN, level)
             rig.pico.run(us)
-    count, us = eval(rig.pico.exec("print((turns.count(), turns.us))"))
+    count, us = eval(rig.pico.exec("print((turns.count_pulses(), turns.us))"))
     rig.pico.drive_pin(INDEX_PIN, 1)
     rig.pico.run(100)
-    again, later = eval(rig.pico.exec("print((turns.count(), turns.us))"))
+    again, later = eval(rig.pico.exec("print((turns.count_pulses(), turns.us))"))
     assert count == 40 and again == 41 and later > us
-    rig.pico.exec("import micropython\nmicropython.heap_lock()\nturns.edge(None)\nmicropython.heap_unlock()")
+    rig.pico.exec("import micropython\nmicropython.heap_lock()\nturns.on_edge(None)\nmicropython.heap_unlock()")
 
 
 BAUD = 115_200

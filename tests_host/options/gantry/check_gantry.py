@@ -17,7 +17,7 @@ def check_words_become_pins_and_steps_again(axes, axis, motors, words):
     field = (1 << axes) - 1
     bits = 2 * axes + 3
     drive = GantryDrive(axes, axis)
-    drive.use(motors)
+    drive.use_motors(motors)
     ring = array("I", [0] * 64)
     at = 5
     position = array("i", [-7] * axes)
@@ -55,4 +55,4 @@ def check_names_are_in_the_order_of_the_bits():
     board = {"drive": {"kind": "step_dir"}, "axes": [{"name": "x"}, {"name": "y"}], "additions": Added}
     assert make_drive(board)[0].pin_names == ["x_step", "y_step", "x2_step", "x_dir", "y_dir", "x2_dir", "tool"]
     drive = GantryDrive(2, 1)
-    assert drive.pins(0) == (2, 16) and drive.pins(1) == (4, 32)
+    assert drive.pin_masks(0) == (2, 16) and drive.pin_masks(1) == (4, 32)

@@ -5,7 +5,7 @@ from array import array
 from passo.records import (
     COUNT_MASK, FEED_AXES, FEED_NEWEST, FEED_OLDEST, FEED_POSITION, MARKS, MARK_FIELDS, MARK_WORD,
 )  # fmt: skip
-from passo.options.interlock.steps_viper import INTERLOCK_TOOL, ahead, denied
+from passo.options.interlock.steps_viper import INTERLOCK_TOOL, find_ahead, find_denied
 from router import Machine, World, answers
 
 INPUTS = [
@@ -202,7 +202,7 @@ def check_denied_is_what_the_table_says(products, states):
         table += [care, value & care, 1 << bit]
         if not (states ^ value) & care:
             wanted &= ~(1 << bit)
-    assert denied(array("i", table), states) == wanted
+    assert find_denied(array("i", table), states) == wanted
 
 
 def check_ahead_is_what_is_not_played(moves, played, start, wanted):
@@ -231,6 +231,6 @@ def check_ahead_is_what_is_not_played(moves, played, start, wanted):
         marks[at + MARK_WORD] = (word + head) & COUNT_MASK
         for axis in range(axes):
             marks[at + MARK_FIELDS + axis] = place[axis]
-    found = ahead(state, marks, (word + played) & COUNT_MASK, wanted)
+    found = find_ahead(state, marks, (word + played) & COUNT_MASK, wanted)
     assert found & coming & wanted == found and bool(found) == bool(coming & wanted)
-    assert not ahead(state, marks, word, INTERLOCK_TOOL)
+    assert not find_ahead(state, marks, word, INTERLOCK_TOOL)

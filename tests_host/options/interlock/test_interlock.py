@@ -19,7 +19,7 @@ from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
-from passo.options.interlock.steps_viper import INTERLOCK_TOOL, denied
+from passo.options.interlock.steps_viper import INTERLOCK_TOOL, find_denied
 
 pytestmark = pytest.mark.quick
 MILL = Table(boards.load("mill_2004"))
@@ -94,7 +94,7 @@ def pins(states):
     now = 0
     for number, name in enumerate(MILL.inputs):
         now |= states[{"stop": "urg", "probe": "pal"}.get(name, name)] << number
-    return denied(MILL.masks["table"], now), denied(MILL.masks["unasked"], now)
+    return find_denied(MILL.masks["table"], now), find_denied(MILL.masks["unasked"], now)
 
 
 def test_pins_are_never_looser_than_the_equations():
@@ -226,13 +226,13 @@ def test_every_language_is_refused_what_is_forbidden(board, protocol, press, tow
     machine.settle()
     before = list(machine.plant.position)
     interlock = machine.port.veto
-    interlock.change(interlock._names.index(press), 1)
+    interlock.take_change(interlock._names.index(press), 1)
     machine.send(towards)
     for _ in range(8):
         machine.cycle()
     assert machine.plant.position == before and {(131, press), (220, press)} & set(log_of(machine)), log_of(machine)
     if away:
-        interlock.change(interlock._names.index(press), 1)
+        interlock.take_change(interlock._names.index(press), 1)
         machine.send(away)
         machine.run_ms(30)
         machine.settle()
@@ -331,7 +331,7 @@ def test_truth_table_and_picture(tmp_path):
 
 
 def test_a_row_reads_what_parse_made():
-    row = Row("x", manifest_table.parse("a & !b | c"))
+    row = Row("x", manifest_table.parse_row("a & !b | c"))
     assert [row.value(dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
         False, True, False, True, True, True, False, True
     ]  # fmt: skip

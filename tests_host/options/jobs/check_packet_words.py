@@ -2,7 +2,7 @@
 
 from check_plotter import GAP_MS, feed_all
 from passo.commands import ACCEPTED, HELLO, JOB, REFUSED, Event
-from passo.options.jobs.language_grbl import teach
+from passo.options.jobs.language_grbl import teach_lines
 from passo.protocols.plotter.host import COMMANDS, Plotter, packet
 from passo.protocols.plotter.words import PacketWords
 
@@ -18,7 +18,7 @@ def packets_of(line, first=0):
 def check_lines_in_packets():
     """A line in packets, one of which comes twice; one that does not follow; one that is no line."""
     made = Plotter(GAP_MS)
-    teach(PacketWords.of(made))
+    teach_lines(PacketWords.words_of(made))
     first, second, last = packets_of("$FD=PART")
     for data in (first, second, second):
         command = feed_all(made, data, 0)[0]

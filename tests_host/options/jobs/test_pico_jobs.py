@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.emulator.machine import files_of
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
-from passo.options.journal.control import unpacked
+from passo.options.journal.control import unpack_record
 
 MISS_CYCLES = 50  # of the flash cache: 100 at 200 MHz
 SMALL = b"G91\nG1X0.5Y0.2F3000\n\nG1X-0.5\nM30\n"
@@ -144,7 +144,7 @@ def test_the_journal_is_written_to_raw_flash_while_it_moves(make_machine, show):
     assert b"[JOURNAL:00001234|3|1|0,0,0]" in ask(machine, b"$JR")
     files = machine.pico.files()
     data = files["journal.0"]
-    found = [unpacked(data[at : at + 32]) for at in range(0, 4096, 32) if data[at : at + 32] != b"\xff" * 32]
+    found = [unpack_record(data[at : at + 32]) for at in range(0, 4096, 32) if data[at : at + 32] != b"\xff" * 32]
     assert [record[0] for record in found] == list(range(len(found))) and len(found) > 5
     assert found[-1][1:] == (1, 0x1234, 3, [0, 0, 0, 0])
     assert {record[3] for record in found} == {0, 1, 2, 3} and any(record[4][0] > 900 for record in found)

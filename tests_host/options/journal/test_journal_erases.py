@@ -5,7 +5,7 @@ import pytest
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
-from passo.options.journal.control import packed, unpacked
+from passo.options.journal.control import pack_record, unpack_record
 
 USED = 300  # slots: more than half
 
@@ -18,12 +18,12 @@ class Watched(Pages):
         self.erased = []
         self.now_ms = lambda: 0
         for number in range(used):
-            self.write(number // self.SLOTS, number % self.SLOTS, packed(number, 1, 7, number, [0, 0, 0, 0]))
+            self.write(number // self.SLOTS, number % self.SLOTS, pack_record(number, 1, 7, number, [0, 0, 0, 0]))
 
-    def erase(self, block):
-        newest = max((unpacked(self.read(each, slot)) or (-1,))[0] for each in range(self.BLOCKS) for slot in range(self.SLOTS))
-        Pages.erase(self, block)
-        kept = max((unpacked(self.read(each, slot)) or (-1,))[0] for each in range(self.BLOCKS) for slot in range(self.SLOTS))
+    def erase_block(self, block):
+        newest = max((unpack_record(self.read(each, slot)) or (-1,))[0] for each in range(self.BLOCKS) for slot in range(self.SLOTS))
+        Pages.erase_block(self, block)
+        kept = max((unpack_record(self.read(each, slot)) or (-1,))[0] for each in range(self.BLOCKS) for slot in range(self.SLOTS))
         assert kept == newest, "the newest record is gone"
         self.erased.append(self.now_ms())
 
@@ -88,5 +88,5 @@ def test_what_a_long_job_writes_gets_rarer_and_the_last_is_written():
         send(made, b"N%d G1 X0.1\n" % number, 120)
     send(made, b"N60 G1 X0.1\n", 4000)
     assert "[JOURNAL:00000099|60|" in send(made, b"$JR\n")
-    newest = max((unpacked(pages.read(block, slot)) for block in range(4) for slot in range(128) if unpacked(pages.read(block, slot))), key=lambda record: record[0])
+    newest = max((unpack_record(pages.read(block, slot)) for block in range(4) for slot in range(128) if unpack_record(pages.read(block, slot))), key=lambda record: record[0])
     assert newest[3] == 60 and newest[1] & 1

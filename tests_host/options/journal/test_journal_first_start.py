@@ -6,7 +6,7 @@ from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
 from passo import errors
-from passo.options.journal.control import unpacked
+from passo.options.journal.control import unpack_record
 
 
 class Missing(Pages):
@@ -24,15 +24,15 @@ class Missing(Pages):
         assert block in self.made
         Pages.write(self, block, slot, data)
 
-    def erase(self, block):
+    def erase_block(self, block):
         if block not in self.made:
             if len(self.made) == self._room:
                 raise OSError(28)
             self.made.append(block)
-        Pages.erase(self, block)
+        Pages.erase_block(self, block)
 
     def records(self):
-        found = [unpacked(self.read(block, slot)) for block in self.made for slot in range(self.SLOTS)]
+        found = [unpack_record(self.read(block, slot)) for block in self.made for slot in range(self.SLOTS)]
         return [record for record in found if record]
 
 

@@ -9,7 +9,7 @@ from emulated import uf2  # noqa: F401
 from host_tools import boards
 from host_tools.emulator.flash_times import LONGEST, TYPICAL
 from host_tools.emulator.machine import EmulatedMachine, files_of
-from passo.options.journal.control import packed
+from passo.options.journal.control import pack_record
 
 BLOCKS, SLOTS, RECORD = 4, 128, 32
 USED = 3 * SLOTS + 60  # of the slots: three blocks are erased
@@ -27,7 +27,7 @@ def machine(request, uf2):  # noqa: F811
     board["links"] = [link for link in board["links"] if link["name"] == LINK]
     files = dict(files_of(board))
     for block in range(BLOCKS):
-        records = [packed(slot, 1, 7, slot, [0, 0, 0, 0]) for slot in range(block * SLOTS, min(USED, (block + 1) * SLOTS))]
+        records = [pack_record(slot, 1, 7, slot, [0, 0, 0, 0]) for slot in range(block * SLOTS, min(USED, (block + 1) * SLOTS))]
         files[f"journal.{block}"] = b"".join(records).ljust(SLOTS * RECORD, b"\xff")
     made = EmulatedMachine(board, files, trace=None, start=(3000, 3000, -3000))
     made.pico.flash_times.set_times(**request.param)

@@ -4,7 +4,7 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from passo.options.journal.control import unpacked
+from passo.options.journal.control import unpack_record
 from passo.records import JOURNAL_BYTES, TICKS_PER_MS
 from test_pico_jobs import ask, fast_router, ready
 
@@ -26,12 +26,12 @@ class Newest:
     def __init__(self, pico):
         self._flash = pico.chip.flash
         image = bytes(self._flash)
-        self._at = next(at for at in range(0, len(image), 4096) if unpacked(image[at : at + JOURNAL_BYTES]))
+        self._at = next(at for at in range(0, len(image), 4096) if unpack_record(image[at : at + JOURNAL_BYTES]))
 
     def read(self):
         found = None
         for at in range(self._at, self._at + 4096, JOURNAL_BYTES):
-            record = unpacked(bytes(self._flash[at : at + JOURNAL_BYTES]))
+            record = unpack_record(bytes(self._flash[at : at + JOURNAL_BYTES]))
             if record is None:
                 return found
             found = record

@@ -122,9 +122,9 @@ def check_a_stop_amid_a_step(seed):
         motors = rig.feeder.cancel(rig.played)
         planner.clear()
         assert list(rig.feeder.position(rig.played)) == list(motors)
-        planner.stand(motors)
+        planner.stand_at(motors)
         found = [0, 0, 0]
-        corexy.axes(motors, found)
+        corexy.to_axes(motors, found)
         a, b, z = motors
         assert found == [(a + b) // 2, (a - b) // 2, z]
         goal = [random.between(-500, 500) for _ in range(3)]
@@ -137,11 +137,11 @@ def check_a_stop_amid_a_step(seed):
 
 def check_map(x, y, z):
     motors, back = [0, 0, 0], [0, 0, 0]
-    corexy.motors((x, y, z), motors)
+    corexy.to_motors((x, y, z), motors)
     assert motors == [x + y, x - y, z]
-    corexy.axes(motors, back)
+    corexy.to_axes(motors, back)
     assert back == [x, y, z]
-    corexy.axes(motors, motors)
+    corexy.to_axes(motors, motors)
     assert motors == back
 
 

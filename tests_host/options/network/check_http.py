@@ -337,22 +337,22 @@ def check_admission_ends():
     closed = Networked()
     closed.send(forms_admit(5))
     closed.cycle()
-    assert not admission_of(closed).admitted()
+    assert not admission_of(closed).is_admitted()
     machine = Networked(legacy=True)
-    assert not admission_of(machine).admitted()
+    assert not admission_of(machine).is_admitted()
     for minutes, after_ms, left in ((1, 59_000, True), (1, 61_000, False), (60, 3_500_000, True), (0, 0, False)):
         machine.send(forms_admit(minutes))
         machine.cycle()
         machine.cycle()
         machine.port.advance(after_ms * 12_500)
         machine.cycle()
-        assert admission_of(machine).admitted() == left, minutes
+        assert admission_of(machine).is_admitted() == left, minutes
     machine.send(forms_admit(5))
     machine.cycle()
-    assert admission_of(machine).admitted()
+    assert admission_of(machine).is_admitted()
     machine.app.controller.machine.raise_alarm(errors.ALARM_HARD_LIMIT)
     machine.cycle()
-    assert not admission_of(machine).admitted()
+    assert not admission_of(machine).is_admitted()
 
 
 def forms_admit(minutes):
@@ -383,9 +383,9 @@ def check_forms_of_noise(noise, which, flags):
 
 def check_whole(value):
     text = str(value)
-    assert forms.whole(text, -(1 << 31), (1 << 32) - 1) == (value if -(1 << 31) <= value < 1 << 32 else None)
+    assert forms.parse_whole(text, -(1 << 31), (1 << 32) - 1) == (value if -(1 << 31) <= value < 1 << 32 else None)
     for wrong in ("", "-", "+", " 1", "1 ", "1.0", "1e3", "0x10", "1_0", "²", "--1", text + "a"):
-        assert forms.whole(wrong, -(1 << 40), 1 << 40) is None
+        assert forms.parse_whole(wrong, -(1 << 40), 1 << 40) is None
 
 
 def check_fields():

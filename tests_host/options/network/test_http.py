@@ -119,8 +119,8 @@ def legacy_board(folder, **changes):
 def admit(wire, minutes):
     wire.write(torch.passo(torch.ADMIT_OF, minutes) + torch.passo(torch.STATUS_OF))
     cutter = torch.answer_cutter()
-    while (found := cutter.next()) is None:
-        cutter.put(wire.read(1), 0)
+    while (found := cutter.next_frame()) is None:
+        cutter.put_bytes(wire.read(1), 0)
     return torch.answer_from(found)[1]
 
 

@@ -25,13 +25,13 @@ class Pads:
         self.heard = {}
         self.pads = self
 
-    def listen(self, pin, heard):
+    def add_listener(self, pin, heard):
         self.heard[pin] = heard
 
-    def state(self, pin):
+    def state_of(self, pin):
         return self.levels.get(pin, 2)
 
-    def drive(self, pin, level):
+    def drive_pin(self, pin, level):
         self.levels[pin] = level
 
     def write(self, pin, level):
@@ -142,27 +142,27 @@ def test_an_edge_has_the_inputs_read_at_once(shifted):
     limit = module.RegisterInput({"name": "limit", "pin": 101, "active": 1}, registers)
     told = []
     interlock = types.SimpleNamespace(
-        items=[limit], watched=1, rise=1, fall=0, states=0, filters_us=[100], glitches=[0], change=lambda *change: told.append(change)
+        items=[limit], watched=1, rise=1, fall=0, states=0, filters_us=[100], glitches=[0], take_change=lambda *change: told.append(change)
     )
     watch = module.RegisterWatch(interlock, registers)
     watched = []
     port = types.SimpleNamespace(watch=lambda pin, handler, edge: watched.append((pin.number, handler)))
-    watch.watch(port, [{"pin": 7, "inputs": "limit"}], [{"name": "limit", "filter_us": 100}])
-    assert watched == [(7, watch.edge)]
+    watch.watch_edges(port, [{"pin": 7, "inputs": "limit"}], [{"name": "limit", "filter_us": 100}])
+    assert watched == [(7, watch.on_edge)]
     chains.set_input(1, 1)
-    watch.edge(None)
+    watch.on_edge(None)
     assert told == [(0, 1)], "it has lasted for two readings"
     interlock.states = 1
-    watch.edge(None)
+    watch.on_edge(None)
     assert told == [(0, 1)]
     interlock.states = 0
     chains.set_input(1, 0)
-    watch.edge(None)
+    watch.on_edge(None)
     chains.set_input(1, 1)
     registers.exchange()
     watch.look()  # the feeder's
     chains.set_input(1, 0)
-    watch.edge(None)
+    watch.on_edge(None)
     assert told == [(0, 1)] and interlock.glitches == [1], "it was over at the second reading"
 
 

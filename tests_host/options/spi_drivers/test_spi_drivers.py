@@ -41,37 +41,37 @@ def words(number):
 def test_an_answer_comes_a_datagram_late():
     """The datasheet's example: the reply to a datagram answers the one before; a status byte ahead of it."""
     drivers = SpiDrivers({"chip": "tmc5160", "motors": MOTORS})
-    assert drivers.exchange(21, tmc_spi.datagram(0x6F))[1:] == words(0)
-    assert drivers.exchange(21, tmc_spi.datagram(0x6F)) == bytes((9,)) + words(0x80000000)
-    assert drivers.exchange(21, tmc_spi.datagram(0x13, 0xABCDEF))[1:] == words(0x80000000)
-    assert drivers.exchange(21, tmc_spi.datagram(0x13, 0x123456))[1:] == words(0xABCDEF)
-    assert drivers.exchange(21, tmc_spi.datagram(4))[1:] == words(0x123456)
+    assert drivers.exchange(21, tmc_spi.make_datagram(0x6F))[1:] == words(0)
+    assert drivers.exchange(21, tmc_spi.make_datagram(0x6F)) == bytes((9,)) + words(0x80000000)
+    assert drivers.exchange(21, tmc_spi.make_datagram(0x13, 0xABCDEF))[1:] == words(0x80000000)
+    assert drivers.exchange(21, tmc_spi.make_datagram(0x13, 0x123456))[1:] == words(0xABCDEF)
+    assert drivers.exchange(21, tmc_spi.make_datagram(4))[1:] == words(0x123456)
     assert drivers["x"].registers[0x13] == 0x123456
 
 
 def test_a_chain_passes_on_what_came_first():
     """Of 80 bits the first 40 are for the driver at the end of the chain, and the first 40 that come back are that driver's."""
     drivers = SpiDrivers({"chip": "tmc2130", "motors": [{"axis": "x", "cs": 1}, {"axis": "y", "cs": 1}]})
-    drivers.exchange(1, tmc_spi.datagram(0x13, 7) + tmc_spi.datagram(0x13, 9))
+    drivers.exchange(1, tmc_spi.make_datagram(0x13, 7) + tmc_spi.make_datagram(0x13, 9))
     assert (drivers["y"].registers[0x13], drivers["x"].registers[0x13]) == (7, 9)
-    found = drivers.exchange(1, tmc_spi.datagram(4) * 2)
+    found = drivers.exchange(1, tmc_spi.make_datagram(4) * 2)
     assert (found[4], found[9]) == (7, 9)
 
 
 @pytest.mark.parametrize("current_ma, mohm", [(1500, 75), (800, 75), (3000, 50), (4590, 50), (100, 75), (50, 22), (2000, 110)])
 def test_the_current_of_a_tmc5160_is_the_datasheet_s(current_ma, mohm):
     """I = GLOBALSCALER / 256 · (CS + 1) / 32 · 0.325 V / R / √2: never above what is asked, and within 4 % below."""
-    scaler, cs = tmc_spi.scale(current_ma, {"chip": "tmc5160", "sense_mohm": mohm})
+    scaler, cs = tmc_spi.current_scale(current_ma, {"chip": "tmc5160", "sense_mohm": mohm})
     found = (scaler or 256) / 256 * (cs + 1) / 32 * 325 / mohm / 2**0.5 * 1000
     assert 0 == scaler or 32 <= scaler < 256
     assert 0.96 * current_ma <= found <= 1.0001 * current_ma or (scaler, cs) == (32, 0)
-    assert tmc_spi.scale(4700, {"chip": "tmc5160", "sense_mohm": 50}) is None
+    assert tmc_spi.current_scale(4700, {"chip": "tmc5160", "sense_mohm": 50}) is None
 
 
 @pytest.mark.parametrize("current_ma, wanted", [(800, (1, 25)), (980, (1, 31)), (1200, (0, 21)), (1742, (0, 31)), (1800, None)])
 def test_and_that_of_a_tmc2130(current_ma, wanted):
     """I = (CS + 1) / 32 · V / (R + 20 mΩ) / √2, of 0.18 or 0.32 V."""
-    found = tmc_spi.scale(current_ma, {"chip": "tmc2130", "sense_mohm": 110})
+    found = tmc_spi.current_scale(current_ma, {"chip": "tmc2130", "sense_mohm": 110})
     assert found == wanted
     if found:
         one = (0.18 if found[0] else 0.32) / 32 / 0.13 / 2**0.5 * 1000
@@ -83,7 +83,7 @@ def test_and_that_of_a_tmc2130(current_ma, wanted):
 def test_all_drivers_are_set_up_before_anything_moves(way, chip):
     router = Router(way=way, chip=chip, run_ms=0)
     router.machine.send(b"$X\nG91G1X5F600\n")
-    taken = {axis: len(tmc_spi.registers(check(globals()["router"](way, chip))["additions"].drives["motors"][0], {"chip": chip, "sense_mohm": 110})) for axis in "xyz"}
+    taken = {axis: len(tmc_spi.register_rows(check(globals()["router"](way, chip))["additions"].drives["motors"][0], {"chip": chip, "sense_mohm": 110})) for axis in "xyz"}
     while router.plant.position[0] == 3000:
         ready = all(len(router.drivers[axis].taken) == taken[axis] for axis in "xyz")
         router.machine.cycle()

@@ -1,7 +1,7 @@
 """Programs: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
 
 from draws import Random
-from passo.options.step_program.motion import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, mark, run, units
+from passo.options.step_program.motion import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, make_mark, run, count_units
 from passo.options.step_program.motion_walker import StepProgramWalker
 from passo.records import COUNT_MASK, ENDLESS, FEED_LEVELS, HOLD_TICKS
 from rig import Rig
@@ -22,7 +22,7 @@ TOOL_TICKS = (2_000, 300_000)
 
 def new_program(cells=1024, tool_ticks=TOOL_TICKS):
     program = StepProgram(3, cells)
-    program.clear(3000)
+    program.clear_items(3000)
     return program, StepProgramWalker(program, LENGTHS, tool_ticks)
 
 
@@ -31,11 +31,11 @@ def random_items(random, count, speeds=(1200, 3000, 6000)):
     for _ in range(count):
         kind = random.between(0, 9)
         if kind == 0:
-            items.append(mark(TOOL, random.between(0, 1)))
+            items.append(make_mark(TOOL, random.between(0, 1)))
         elif kind == 1:
-            items.append(mark(SPEED, random.choice(speeds)))
+            items.append(make_mark(SPEED, random.choice(speeds)))
         elif kind == 2:
-            items.append(mark(DWELL, random.choice((0, 1, 9, 10, 25))))
+            items.append(make_mark(DWELL, random.choice((0, 1, 9, 10, 25))))
         else:
             mask = random.between(1, 7)
             items.append(run(mask, random.between(0, 7) & mask, random.choice((1, 1, 2, 3, 7, 60))))
@@ -122,7 +122,7 @@ def fill(program, items):
     for item in items:
         assert program.append(item)
     program.open = False
-    assert program.total == sum([units(item) for item in items])
+    assert program.total == sum([count_units(item) for item in items])
 
 
 def check_there_and_back(seed):
@@ -131,7 +131,7 @@ def check_there_and_back(seed):
     steps = moves_of(items)
     program, walker = new_program()
     fill(program, items)
-    walker.rewind()
+    walker.go_to_start()
     ride = Ride(program, walker)
     ride.go()
     ride.check(steps)
@@ -153,7 +153,7 @@ def check_turned_round_anywhere(seed):
     steps = moves_of(items)
     program, walker = new_program()
     fill(program, items)
-    walker.rewind()
+    walker.go_to_start()
     ride = Ride(program, walker)
     for _ in range(30):
         before = walker.index
@@ -181,7 +181,7 @@ def check_halted_anywhere(seed):
     program, walker = new_program()
     fill(program, items)
     for backward in (False, True):
-        walker.rewind()
+        walker.go_to_start()
         if backward:
             Ride(program, walker).go()
         ride = Ride(program, walker)
@@ -207,7 +207,7 @@ def check_halted_anywhere(seed):
             assert shown in (None, walker.index)
             continue
         place = shown
-        walker.rewind()
+        walker.go_to_start()
         if place:
             Ride(program, walker).go(most=place)
         assert walker.index == place
@@ -224,8 +224,8 @@ def check_window(seed):
     random = Random(seed)
     items = random_items(random, 150)
     program, walker = new_program(64)
-    program.clear(3000, ring=True)
-    walker.rewind()
+    program.clear_items(3000, ring=True)
+    walker.go_to_start()
     ride = Ride(program, walker)
     rig = ride.rig
     walker.begin()
@@ -251,9 +251,9 @@ def check_window(seed):
 
 def check_dry_is_not_late():
     program, walker = new_program()
-    program.clear(3000, ring=True)
+    program.clear_items(3000, ring=True)
     program.append(run(1, 0, 3))
-    walker.rewind()
+    walker.go_to_start()
     ride = Ride(program, walker)
     walker.begin()
     ride.rig.planner.walk(walker, walker.tool)
@@ -272,8 +272,8 @@ def check_dry_is_not_late():
 def check_periods(mm_min, mask):
     """Whole microseconds, each within a tick, and exact in the mean: 12½ ticks are a microsecond."""
     program, walker = new_program()
-    fill(program, [mark(SPEED, mm_min), run(mask, 0, 41)])
-    walker.rewind()
+    fill(program, [make_mark(SPEED, mm_min), run(mask, 0, 41)])
+    walker.go_to_start()
     ride = Ride(program, walker)
     ride.go()
     period_us = (LENGTHS[mask] + mm_min // 2) // mm_min
@@ -286,8 +286,8 @@ def check_periods(mm_min, mask):
 def check_live_speed():
     """A new speed is felt by the next segment, and cuts a long interval short."""
     program, walker = new_program()
-    fill(program, [mark(SPEED, 1), run(1, 0, 4)])  # 0.75 s a step
-    walker.rewind()
+    fill(program, [make_mark(SPEED, 1), run(1, 0, 4)])  # 0.75 s a step
+    walker.go_to_start()
     ride = Ride(program, walker)
     walker.begin()
     ride.rig.planner.walk(walker, walker.tool)
@@ -303,8 +303,8 @@ def check_live_speed():
 
 def check_stations():
     program, walker = new_program()
-    fill(program, [run(1, 0, 5), mark(STATION, 7), run(1, 0, 3)])
-    walker.rewind()
+    fill(program, [run(1, 0, 5), make_mark(STATION, 7), run(1, 0, 3)])
+    walker.go_to_start()
     ride = Ride(program, walker)
     ride.go()
     assert len(ride.steps) == 5 and not walker.at_end()
@@ -321,8 +321,8 @@ def check_full():
     program, walker = new_program(5)
     assert program.size == 4
     assert program.append(run(1, 0, MOST)) and program.append(run(1, 0, 1)) and program.append(run(2, 0))
-    assert not program.append(mark(SPEED, 100)) and program.used() == 3
-    assert program.append(mark(DWELL, 100)) and not program.append(run(1, 0))
+    assert not program.append(make_mark(SPEED, 100)) and program.cells_used() == 3
+    assert program.append(make_mark(DWELL, 100)) and not program.append(run(1, 0))
     assert program.append(run(2, 0)) is False and program.total == MOST + 3
     assert program.at == [MOST + 1, 1, 0]
 
@@ -330,8 +330,8 @@ def check_full():
 def check_speed_found_late():
     """The operator's choice at a station counts there when the walk comes back."""
     program, walker = new_program()
-    fill(program, [run(1, 0, 2), mark(STATION, 0), run(1, 0, 2), mark(SPEED, 600), run(1, 0, 2)])
-    walker.rewind()
+    fill(program, [run(1, 0, 2), make_mark(STATION, 0), run(1, 0, 2), make_mark(SPEED, 600), run(1, 0, 2)])
+    walker.go_to_start()
     ride = Ride(program, walker)
     ride.go()
     walker.pass_station()

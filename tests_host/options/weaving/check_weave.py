@@ -163,8 +163,8 @@ def check_what_cannot_be_woven():
     for change in ((0, 0), (0, 5), (1, 0), (1, 100_001), (2, 99), (3, 60_001), (4, -1), (5, 2)):
         wrong = list(spec)
         wrong[change[0]] = change[1]
-        assert weave.wrong(wrong), change
-    assert not weave.wrong(spec)
+        assert weave.is_out_of_range(wrong), change
+    assert not weave.is_out_of_range(spec)
 
 
 # --- on the whole machine

@@ -10,8 +10,8 @@ from passo.control.stream_queue import StreamQueue
 class Queue(StreamQueue):
     def __init__(self, board, planner, feeder, player, port):
         StreamQueue.__init__(self, board, planner, feeder, player, port)
-        planner.follow(self._motor_positions)
-        self.taken = planner.taken
+        planner.follow_motors(self._motor_positions)
+        self.play_taken = planner.play_taken
 
     def _motor_positions(self):
         return self._feeder.found(self._player.played())
@@ -32,16 +32,16 @@ class Queue(StreamQueue):
         played = self._player.played()
         self._feeder.retire(played)
         StreamQueue.look(self, played)
-        self._planner.turn(self.here)
+        self._planner.to_axes(self.here)
 
     def _since_start(self):
         played = self._player.played()
         self._feeder.retire(played)
-        return self._planner.turn(self._feeder.found(played))
+        return self._planner.to_axes(self._feeder.found(played))
 
     def found(self, edge=None):
         if edge:
-            return self._from_origin(self._planner.turn(self._feeder.found(self._player.played(), edge)))
+            return self._from_origin(self._planner.to_axes(self._feeder.found(self._player.played(), edge)))
         return self._from_origin(self._ask_undisturbed(self._since_start))
 
     def axis(self, axis, edge=None):

@@ -1,8 +1,8 @@
 """The planner of a machine with lost motion: each reversal takes it up in its own block, without a stop.
 
     planner = backlash.Planner(3, board)        # as of manifest.py: board["additions"].value(160) is µm of X
-    planner.follow(feeder_position)             # where the motors stand, as a function
-    planner.turn(motors)                        # positions of the motors to those of the axes, of what has been retired
+    planner.follow_motors(feeder_position)      # where the motors stand, as a function
+    planner.to_axes(motors)                     # positions of the motors to those of the axes, of what has been retired
 
     motor    ____╱╲            An axis moves with its motor once the play is taken up: what is taken up, 0 … play, is `taken`,
              ╱     ╲           all of it behind a move forth, nothing behind one back. Motor = axis + taken + `offset`.
@@ -36,7 +36,7 @@ class Planner(planner.Planner):
         self._lost = True  # `_motors` is to be asked for
         self.plays = False  # an axis has play
 
-    def follow(self, where):
+    def follow_motors(self, where):
         self._where = where
 
     def limits(self, limits):
@@ -55,7 +55,7 @@ class Planner(planner.Planner):
             self.ready = False
         return limits
 
-    def turn(self, motors):
+    def to_axes(self, motors):
         """`motors`, where they are as blocks have been retired last, becomes where the axes are."""
         indices = self.indices
         retired = indices[QUEUE_RETIRED]
@@ -70,7 +70,7 @@ class Planner(planner.Planner):
         taken = self._begins[at + self.axes + axis] + motor - self._begins[at + axis]
         return max(0, min(taken, self._plays[axis]))
 
-    def taken(self):
+    def play_taken(self):
         """Steps of play taken up at the end of the queue, seven bits an axis: 127 is as many, or more."""
         found = 0
         for axis in range(self.axes):

@@ -77,7 +77,7 @@ _LATER = const(20)  # cycles at a stand, in which what the alarm says goes out
 
 
 class Links(links.Links):
-    heeds = QUEUE_GONE
+    event_mask = QUEUE_GONE
 
     def __init__(self, board, machine, queue):
         links.Links.__init__(self, board, machine, queue)
@@ -85,7 +85,7 @@ class Links(links.Links):
         self._keep = machine.port.make("blackbox", box.write_box)
         self._now_ms = machine.port.machine_ms
         self._levels = machine.inputs.levels
-        self._taken = getattr(queue, "taken", None)  # of a machine with backlash
+        self._taken = getattr(queue, "play_taken", None)  # of a machine with backlash
         self._seen = -1  # the last levels
         self._link = self._log = self._fields = self._text = None
         self._at = self._end = 0  # of `_fields`
@@ -279,7 +279,7 @@ class Links(links.Links):
             self._halted = here
             self._add_position_row(HALTED)
 
-    def heed(self, _):
+    def on_events(self, _):
         self._add_position_row(DROPPED, self._retired)
 
     # --- flash

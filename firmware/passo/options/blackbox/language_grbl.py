@@ -22,7 +22,7 @@ class Log:
     def __init__(self, lines, gcode, size):
         """`size`: bytes of the text; eight more are behind it."""
         lines.fields[LINES_SIZE] = size + 8
-        lines.make()
+        lines.make_buffer()
         self.text = lines.text
         lines.fields[LINES_SIZE] = size
         self._gcode = gcode

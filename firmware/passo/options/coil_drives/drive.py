@@ -31,7 +31,7 @@ class CoilDrive:
         self._phase = bytearray(axes)
         self.unpowered(0)
 
-    def released(self):
+    def levels_off(self):
         """The levels of all motors without current."""
         levels = 0
         for axis in range(self.axes):
@@ -60,7 +60,7 @@ class CoilDrive:
         """The levels that hold all motors where they are, at running current."""
         return self._levels_in(self._table)
 
-    def holding(self):
+    def levels_at_rest(self):
         """The levels that hold all motors where they are, at standstill current."""
         return self._levels_in(self._hold)
 
@@ -81,7 +81,7 @@ class CoilDrive:
         before them; returns how many of them step."""
         return tally(words, mask, word, until, self.axes, self.width, self._last, self._live, self._off, position)
 
-    def moved(self, axis, before, after):
+    def step_between(self, axis, before, after):
         """Steps (−1, 0, +1) between two neighbouring words' levels."""
         shift = axis * self.width
         before = before >> shift & self._mask

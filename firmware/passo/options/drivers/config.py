@@ -1,8 +1,8 @@
 """TMC2209 and TMC2226: telegrams of their UART, and the registers that a board file's section becomes (datasheet rev. 1.09, 4 and 5).
 
-    telegram(0, GSTAT)              # asks driver 0 for a register: four bytes
-    telegram(0, GSTAT, 7)           # writes it: eight
-    found = value(reply)            # of the eight bytes of a reply; None if they are not whole
+    make_telegram(0, GSTAT)         # asks driver 0 for a register: four bytes
+    make_telegram(0, GSTAT, 7)      # writes it: eight
+    found = reply_value(reply, register)    # of the eight bytes of a reply; None if they are not whole
 
 Bytes go on one wire, low bit first, so a sender that hears the wire hears itself.
 """
@@ -44,7 +44,7 @@ def telegram_crc(data):
     return found
 
 
-def telegram(address, register, number=None):
+def make_telegram(address, register, number=None):
     data = bytearray((_SYNC, address, register))
     if number is not None:
         data[2] |= WRITES
@@ -54,13 +54,13 @@ def telegram(address, register, number=None):
     return bytes(data)
 
 
-def value(reply, register):
+def reply_value(reply, register):
     if len(reply) != 8 or reply[0] != _SYNC or reply[1] != MASTER or reply[2] != register or telegram_crc(reply[:7]) != reply[7]:
         return None
     return reply[3] << 24 | reply[4] << 16 | reply[5] << 8 | reply[6]
 
 
-def scale(current_ma, sense_mohm, full_mv=325):
+def current_scale(current_ma, sense_mohm, full_mv=325):
     """(vsense, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for these resistors, which have `full_mv`
     across them at full scale, and 180 with vsense."""
     for vsense, most_mv in ((1, 180), (0, full_mv)):
@@ -70,9 +70,9 @@ def scale(current_ma, sense_mohm, full_mv=325):
     return None
 
 
-def registers(driver, sense_mohm):
+def register_rows(driver, sense_mohm):
     """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
-    vsense, run = scale(driver["current_ma"], sense_mohm)
+    vsense, run = current_scale(driver["current_ma"], sense_mohm)
     hold = run * driver["hold_percent"] // 100
     return (
         (GSTAT, 7),

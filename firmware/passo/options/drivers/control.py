@@ -45,7 +45,7 @@ class Motors(Feature):
         line = dict(config)
         line["name"] = "drivers"
         self._line = self._machine.port.serial(line)
-        self._registers = [chip.registers(motor, config["sense_mohm"]) for motor in self._motors]
+        self._registers = [chip.register_rows(motor, config["sense_mohm"]) for motor in self._motors]
 
     def _begin_set_up(self):
         """Set all up anew."""
@@ -90,8 +90,8 @@ class Motors(Feature):
             register = (chip.IOIN, chip.IFCNT, chip.IFCNT, chip.GCONF, chip.CHOPCONF)[stage]
             if stage == 2:
                 for row in self._registers[self._number]:
-                    data += chip.telegram(address, *row)
-        data += chip.telegram(address, register)
+                    data += chip.make_telegram(address, *row)
+        data += chip.make_telegram(address, register)
         self._sent = len(data)  # which the wire may give back
         self._line.write(data)
         self._register = register
@@ -100,7 +100,7 @@ class Motors(Feature):
 
     def _read_reply(self, now_ms):
         self._reply += bytes(self._line.read())
-        found = chip.value(self._reply[-_REPLY:], self._register)
+        found = chip.reply_value(self._reply[-_REPLY:], self._register)
         if found is not None and len(self._reply) in (_REPLY, _REPLY + self._sent):
             self._register = -1
             self._due_ms = now_ms

@@ -18,7 +18,7 @@ _SGTHRS = const(0x40)
 
 
 class Motors(drives.Motors):
-    heeds = HOMING
+    event_mask = HOMING
     _stealth = True  # the chopper in which they feel
 
     def __init__(self, board, machine, queue):
@@ -29,7 +29,7 @@ class Motors(drives.Motors):
         self._asked = self._feels = False  # whether they are to feel, and whether they have got that order
         drives.Motors.__init__(self, board, machine, queue)
 
-    def heed(self, what):
+    def on_events(self, what):
         """Homing begins."""
         self._asked = True
 
@@ -71,5 +71,5 @@ class Motors(drives.Motors):
 
     def _register_rows(self, motor, feels):
         """Return the rows of chip.registers(), and those for feeling: registers that can be read back are the last."""
-        rows = chip.registers(motor, self._config["sense_mohm"])
+        rows = chip.register_rows(motor, self._config["sense_mohm"])
         return rows[:-2] + ((_SGTHRS, motor["stall"] if feels else 0), (TCOOLTHRS, SLOWEST if feels else 0)) + rows[-2:]

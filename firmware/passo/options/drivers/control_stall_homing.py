@@ -53,7 +53,7 @@ class StallSensor(Sensor):
         if self._latch:
             self._latch.arm(on)
 
-    def stopped(self, queue, axis):
+    def note_stop(self, queue, axis):
         """Its interrupt has stopped the player."""
         edge = queue.axis(axis, self._latch)
         self.restart(self.last_ms, True)
@@ -104,17 +104,17 @@ class Homing(homing.Homing):
                 found += [(seeker.axis, sensor) for seeker in group if seeker.axis in self._full for sensor in seeker.sensors]
         return found
 
-    def stopped(self, name):
+    def claim_stop(self, name):
         """The interrupt of a DIAG pin has stopped the axis that homes."""
         for axis, sensor in self._active_feelers():
             if sensor.input == name:
-                sensor.stopped(self._queue, axis)
+                sensor.note_stop(self._queue, axis)
                 self._machine.abort()
                 return True
         return False
 
-    def heed(self, what):
-        homing.Homing.heed(self, what)
+    def on_events(self, what):
+        homing.Homing.on_events(self, what)
         for _, sensor in self._active_feelers():
             sensor.arm(False)
 

@@ -3,7 +3,7 @@ file has one of them."""
 
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import PIN, check_link
-from passo.options.drivers.config import scale
+from passo.options.drivers.config import current_scale
 
 _DRIVER = {
     "axis": (str, ..., 1, 1),
@@ -41,7 +41,7 @@ def check(board):
         if port == config["port"]:
             raise BoardError("drivers: %s belongs to %s; take another" % (port, who))
     check_link(board["chip"], dict(config, name="drivers"))
-    check_motors(board, "drivers", ("axis", "address"), lambda current_ma: scale(current_ma, config["sense_mohm"]))
+    check_motors(board, "drivers", ("axis", "address"), lambda current_ma: current_scale(current_ma, config["sense_mohm"]))
     feel = [motor for motor in config["motors"] if motor["stall"]]
     if feel:
         check_stalls(board, feel, "drivers")
@@ -53,7 +53,7 @@ def want_step_dir(board):
         raise BoardError("drivers: they want a step_dir drive")
 
 
-def check_motors(board, key, unique, scale):
+def check_motors(board, key, unique, current_scale):
     """Check the drivers of section `key`. `unique`: keys of a driver whose values differ; `scale`: None for a current that is too high."""
     config = board["additions"].drives = board[key]
     names = [axis["name"] for axis in board["axes"]]
@@ -68,7 +68,7 @@ def check_motors(board, key, unique, scale):
         if motor["microsteps"] & motor["microsteps"] - 1:
             raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
         for current_ma in (motor["current_ma"], motor["stall_ma"]):
-            if scale(current_ma) is None:
+            if current_scale(current_ma) is None:
                 raise BoardError("%s: %d mA are too much for %d mΩ" % (where, current_ma, config["sense_mohm"]))
 
 

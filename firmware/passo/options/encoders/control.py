@@ -51,12 +51,12 @@ class EncoderWatch(Feature):
         return {commands.ZERO_COUNTS: self._zero_counts}
 
     def _zero_counts(self, command):
-        self._encoders.zero()
+        self._encoders.zero_counts()
         return self._machine.accepted(command)
 
     def report(self, report):
         encoders = self._encoders
-        report["counts"] = ",".join([str(encoders.count(number)) for number in range(len(encoders.names))])
+        report["counts"] = ",".join([str(encoders.count_of(number)) for number in range(len(encoders.names))])
 
     def halt(self):
         if not self._homing:
@@ -66,7 +66,7 @@ class EncoderWatch(Feature):
             self._halted = True
         self._note_move()
 
-    def stopped(self, name):
+    def claim_stop(self, name):
         if name != self._encoders.name or self._encoders.lagging:  # a gantry sees to that
             return False
         beyond = self._encoders.beyond
@@ -79,7 +79,7 @@ class EncoderWatch(Feature):
         said = []
         for number in missing:
             made = self._made_up[number]
-            said.append("%s %+d" % (encoders.names[number], encoders.steps(number)) + (", %+d made up since homing" % made if made else ""))
+            said.append("%s %+d" % (encoders.names[number], encoders.steps_beyond(number)) + (", %+d made up since homing" % made if made else ""))
         positions = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
         who = "%s at %s" % (" ".join(said), " ".join(positions))
         self._machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
@@ -93,10 +93,10 @@ class EncoderWatch(Feature):
     def _look_at_indexes(self):
         """Note an index pulse that is too far from whole turns, once. A late interrupt moves it by up to 100 µs of counts, so a 32nd of a turn is allowed."""
         for index in self._encoders.indexes:
-            off = index.off()
+            off = index.counts_off()
             if abs(off) > index.turn // 32:
                 self._machine.note(errors.COUNTS_LOST, "%s %+d counts" % (self._encoders.names[index.number], off))
-                index.accept()
+                index.accept_last()
 
     def look(self, now_ms):
         machine = self._machine
@@ -115,8 +115,8 @@ class EncoderWatch(Feature):
         if self._homing:  # the sensors have said where the axes are: forget the steps that encoders missed
             self._homing = self._halted = False
             for number in range(len(self._correct)):
-                if not self._mask or self._mask >> self._encoders.axis(number) & 1:
-                    self._encoders.forget(number)
+                if not self._mask or self._mask >> self._encoders.axis_of(number) & 1:
+                    self._encoders.clear_error(number)
                     self._made_up[number] = 0
             self._note_move()
         if (now_ms - self._still_ms) & COUNT_MASK < self._settle_ms or self._encoders.checks == self._checks:
@@ -126,7 +126,7 @@ class EncoderWatch(Feature):
     def _act_at_rest(self):
         """Act at a stand, when the encoders' counts are exact."""
         encoders = self._encoders
-        off = [encoders.steps(number) for number in range(len(encoders.names))]
+        off = [encoders.steps_beyond(number) for number in range(len(encoders.names))]
         if self._halted:
             self._verify_position(off)
         elif any(off):
@@ -160,10 +160,10 @@ class EncoderWatch(Feature):
 
     def _account_for(self, number, steps):
         encoders = self._encoders
-        self._queue.shift(encoders.axis(number), steps)
-        encoders.take(number, steps)
+        self._queue.shift(encoders.axis_of(number), steps)
+        encoders.account_for(number, steps)
         if number == self._first:
-            encoders.take(self._second, steps)  # the lag stays, until it is squared
+            encoders.account_for(self._second, steps)  # the lag stays, until it is squared
         self._checks = encoders.checks
 
     def _make_up(self, off):
@@ -189,7 +189,7 @@ class EncoderWatch(Feature):
         for number in missing:
             if number != self._second:
                 self._account_for(number, off[number])
-                axis = self._encoders.axis(number)
+                axis = self._encoders.axis_of(number)
                 ways.append((axis, -off[number], self._correction_speed(axis)))
         self._queue.travel(ways)
         machine.awake = True

@@ -5,20 +5,20 @@ from passo.commands import HELLO, ZERO_COUNTS, Command
 
 
 def extend(protocol, board):
-    protocol.system.learn("$ENC=", count_anew)
-    protocol.system.learn("$ENC", tell, True)
+    protocol.system.learn_lines("$ENC=", count_anew)
+    protocol.system.learn_lines("$ENC", counts_report, True)
 
 
 def count_anew(machine, text):
     return [Command(ZERO_COUNTS)] if text == "0" else errors.STATEMENT
 
 
-def tell(machine, text):
+def counts_report(machine, text):
     """A line an encoder: motor, counts, steps turned beyond those stepped, the largest such error so far."""
     if text:
         return errors.STATEMENT
     command = Command(HELLO)
     encoders = machine.port.encoders
-    rows = [(name, encoders.count(number), encoders.steps(number), encoders.most(number)) for number, name in enumerate(encoders.names)]
+    rows = [(name, encoders.count_of(number), encoders.steps_beyond(number), encoders.largest_error(number)) for number, name in enumerate(encoders.names)]
     command.text = "".join(["[ENC:%s,%d,%d,%d]\r\n" % row for row in rows])
     return [command]

@@ -1,8 +1,8 @@
 """Encoders at the pins, shared by all ports: they are counted, and compared with the player's steps.
 
     port.encoders.check()           # from the interrupt that feeds the player, every 3 ms; on the virtual port too
-    port.encoders.steps(0)          # what motor 0 has turned beyond what was stepped, in whole steps
-    port.encoders.take(0, 3)        # these 3 steps are accounted for
+    port.encoders.steps_beyond(0)   # what motor 0 has turned beyond what was stepped, in whole steps
+    port.encoders.account_for(0, 3) # these 3 steps are accounted for
 
 Subclasses read the counts: read(counts), modulo 2²⁹ each. A following error beyond its limit halts the player, if `armed`. How late that
 is: a motor that stands still is noticed once it has missed limit_steps, by the next check. Counts and steps are not read at one instant:
@@ -19,7 +19,7 @@ import micropython
 from passo.records import COUNT_MASK
 from passo.options.encoders.steps_viper import (
     FOLLOW_AXIS, FOLLOW_DEN, FOLLOW_ERROR, FOLLOW_FIELDS, FOLLOW_LIMIT, FOLLOW_MOST, FOLLOW_NEGATIVE, FOLLOW_NUM, FOLLOW_OFF,
-    FOLLOW_SHIFT, FOLLOW_TOTAL, Follower, follow,
+    FOLLOW_SHIFT, FOLLOW_TOTAL, Follower, follow_steps,
 )  # fmt: skip
 
 
@@ -41,7 +41,7 @@ class Index:
         self._first = self._last = 0  # counts at the first pulse, and at the last, modulo 2²⁹
 
     @micropython.native
-    def edge(self, pin):  # ISR: no allocation
+    def on_edge(self, pin):  # ISR: no allocation
         encoders = self._encoders
         encoders.read(encoders.counts)
         self._last = encoders.counts[self.number]
@@ -49,14 +49,14 @@ class Index:
             self._first = self._last
         self.seen = (self.seen + 1) & COUNT_MASK
 
-    def off(self):
+    def counts_off(self):
         """Counts by which the last pulse is not whole turns from the first."""
         off = (self._last - self._first) & COUNT_MASK
         if off > COUNT_MASK // 2:
             off -= COUNT_MASK + 1
         return (off + self.turn // 2) % self.turn - self.turn // 2
 
-    def accept(self):
+    def accept_last(self):
         """Whole turns count from the last pulse on."""
         self._first = self._last
 
@@ -101,8 +101,8 @@ class Encoders:
         self._player = self._follower = None
         self.indexes = []  # Index of those that have one
 
-    def index(self, number, name):
-        """The Index of an encoder, whose pulse comes on input `name`: edge() is for the port to call."""
+    def add_index(self, number, name):
+        """The Index of an encoder, whose pulse comes on input `name`: on_edge() is for the port to call."""
         entry = Index(self, number, name)
         self.indexes.append(entry)
         return entry
@@ -116,7 +116,7 @@ class Encoders:
             if name:
                 item = inputs[name]
                 edge = Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING
-                self._port.watch(item.pin, self.index(number, name).edge, edge)
+                self._port.watch(item.pin, self.add_index(number, name).on_edge, edge)
 
     def join(self, feeder, player):
         """Compare with the steps of `player`. Called once, before anything is played."""
@@ -135,12 +135,12 @@ class Encoders:
         before = self._player.played()
         self.read(self.counts)
         played = self._player.played()
-        follower.find(before, position)
+        follower.find_position(before, position)
         for axis in range(self._axes):
             after[axis] = position[axis]
-        follower.add(before, played, after)
+        follower.add_steps(before, played, after)
         self.checks = (self.checks + 1) & COUNT_MASK
-        beyond = follow(self.table, len(self.counts), self.counts, position, after)
+        beyond = follow_steps(self.table, len(self.counts), self.counts, position, after)
         lagging = False
         if self._lag:
             lag = self.table[self._second + FOLLOW_ERROR] - self.table[self._first + FOLLOW_ERROR]
@@ -156,46 +156,46 @@ class Encoders:
     def arm(self, on):
         self.armed = on
 
-    def steps(self, number):
+    def steps_beyond(self, number):
         """Return how far a motor has turned beyond its steps: steps, rounded."""
         num = self.table[number * FOLLOW_FIELDS + FOLLOW_NUM]
         return (2 * self.table[number * FOLLOW_FIELDS + FOLLOW_ERROR] + num) // (2 * num)
 
-    def lag(self):
+    def lag_steps(self):
         """Return how far a gantry's second motor has turned beyond the first: steps, rounded."""
         num = self.table[self._first + FOLLOW_NUM]
         lag = self.table[self._second + FOLLOW_ERROR] - self.table[self._first + FOLLOW_ERROR]
         return (2 * lag + num) // (2 * num)
 
-    def take(self, number, steps):
+    def account_for(self, number, steps):
         """`steps` of a motor's error are accounted for, from the next check on."""
         at = number * FOLLOW_FIELDS
         self.table[at + FOLLOW_SHIFT] = -steps * self.table[at + FOLLOW_NUM]
 
-    def forget(self, number):
+    def clear_error(self, number):
         """A motor's error is none, from the next check on."""
         at = number * FOLLOW_FIELDS
         self.table[at + FOLLOW_SHIFT] = -self.table[at + FOLLOW_ERROR]
 
-    def exempt(self, number, off):
+    def exempt_motor(self, number, off):
         """The axis's steps are not this motor's. Only at a stand, behind a check."""
         self.table[number * FOLLOW_FIELDS + FOLLOW_OFF] = 1 if off else 0
 
-    def axis(self, number):
+    def axis_of(self, number):
         return self.table[number * FOLLOW_FIELDS + FOLLOW_AXIS]
 
-    def count(self, number):
-        """Counts since the start, or since zero()."""
+    def count_of(self, number):
+        """Counts since the start, or since zero_counts()."""
         return self.table[number * FOLLOW_FIELDS + FOLLOW_TOTAL] - self._zeros[number]
 
-    def zero(self):
+    def zero_counts(self):
         """The counts shown begin at 0."""
         for number in range(len(self.names)):
             at = number * FOLLOW_FIELDS
             self._zeros[number] = self.table[at + FOLLOW_TOTAL]
             self.table[at + FOLLOW_MOST] = 0
 
-    def most(self, number):
-        """The largest following error since zero(), steps."""
+    def largest_error(self, number):
+        """The largest following error since zero_counts(), steps."""
         at = number * FOLLOW_FIELDS
         return self.table[at + FOLLOW_MOST] // self.table[at + FOLLOW_NUM]

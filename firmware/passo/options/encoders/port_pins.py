@@ -21,10 +21,10 @@ class PinEncoder:
         self._was = self._a.value() | self._b.value() << 1
         self.count = 0  # modulo 2²⁹
         for pin in (self._a, self._b):
-            port.watch(pin, self.edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
+            port.watch(pin, self.on_edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
 
     @micropython.native
-    def edge(self, pin):  # ISR: no allocation
+    def on_edge(self, pin):  # ISR: no allocation
         now = self._a.value() | self._b.value() << 1
         change = _CHANGES[self._was << 2 | now]
         self._was = now

@@ -17,10 +17,10 @@ class VirtualEncoders(Encoders):
         for number in range(len(board["encoders"])):
             name = board["encoders"][number]["index"]
             if name:
-                self._watch_index(world, self.index(number, name), levels[name])
+                self._watch_index(world, self.add_index(number, name), levels[name])
 
     def _watch_index(self, world, index, active):
-        world.listen(lambda tick, name, level: name == index.name and level == active and index.edge(None))
+        world.listen(lambda tick, name, level: name == index.name and level == active and index.on_edge(None))
 
     def read(self, counts):
         for number in range(len(counts)):

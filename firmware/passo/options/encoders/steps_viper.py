@@ -1,6 +1,6 @@
 """Following error: the encoders' counts against the player's steps.
 
-    beyond = follow(table, encoders, counts, position, after)      # mask of the encoders whose error is beyond its limit
+    beyond = follow_steps(table, encoders, counts, position, after)      # mask of the encoders whose error is beyond its limit
 
 `counts` were read between two looks at the player, when the axes stood at `position` and at `after`: an error counts as beyond only if it
 is beyond for both. Each check adds what has changed since the one before, so nothing is rounded and nothing adds up; the counts between two
@@ -32,32 +32,32 @@ FOLLOW_FIELDS = const(12)
 
 
 @micropython.viper
-def signed(count: int) -> int:  # ISR: no allocation
+def to_signed(count: int) -> int:  # ISR: no allocation
     """A difference modulo 2²⁹, as the nearest to 0 that it may be."""
     count &= COUNT_MASK
     return count - COUNT_MASK - 1 if count >= COUNT_HALF else count
 
 
 @micropython.viper
-def follow(table: ptr32, encoders: int, counts: ptr32, position: ptr32, after: ptr32) -> int:  # ISR: no allocation
+def follow_steps(table: ptr32, encoders: int, counts: ptr32, position: ptr32, after: ptr32) -> int:  # ISR: no allocation
     beyond = 0
     number = 0
     at = 0
     while number < encoders:
-        count = int(signed(counts[number] - table[at + FOLLOW_COUNT]))
+        count = int(to_signed(counts[number] - table[at + FOLLOW_COUNT]))
         if table[at + FOLLOW_NEGATIVE]:
             count = 0 - count
         table[at + FOLLOW_COUNT] = counts[number]
         table[at + FOLLOW_TOTAL] += count
         axis = table[at + FOLLOW_AXIS]
-        steps = int(signed(position[axis] - table[at + FOLLOW_PLACE]))
+        steps = int(to_signed(position[axis] - table[at + FOLLOW_PLACE]))
         table[at + FOLLOW_PLACE] = position[axis]
-        meanwhile = int(signed(after[axis] - position[axis]))
+        meanwhile = int(to_signed(after[axis] - position[axis]))
         if table[at + FOLLOW_OFF]:
             steps = 0
             meanwhile = 0
         error = table[at + FOLLOW_ERROR] + count * table[at + FOLLOW_DEN] - steps * table[at + FOLLOW_NUM]
-        error = int(signed(error + table[at + FOLLOW_SHIFT]))
+        error = int(to_signed(error + table[at + FOLLOW_SHIFT]))
         table[at + FOLLOW_SHIFT] = 0
         table[at + FOLLOW_ERROR] = error
         least = error - meanwhile * table[at + FOLLOW_NUM]
@@ -87,14 +87,14 @@ class Follower:
         self._drive = feeder.drive
 
     @micropython.native
-    def find(self, played, position):  # ISR: no allocation
+    def find_position(self, played, position):  # ISR: no allocation
         """`position`: the position when `played` words have appeared on the pins."""
         word = self._marks[find(self._state, self._marks, played, position) + MARK_WORD]
         if (played - word) & COUNT_MASK < COUNT_HALF:
-            self.add(word, played, position)
+            self.add_steps(word, played, position)
 
     @micropython.native
-    def add(self, word, until, position):  # ISR: no allocation
+    def add_steps(self, word, until, position):  # ISR: no allocation
         """Add to `position` what the words from count `word` to `until` step."""
         if self._drive is None:
             tally(self._words, self._mask, word, until, self._axes, position)

@@ -31,7 +31,7 @@ _FALL = const(3)  # and falls
 
 
 class GantryWatch(Feature):
-    heeds = WORK_GONE
+    event_mask = WORK_GONE
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
@@ -54,9 +54,9 @@ class GantryWatch(Feature):
 
         self._squaring = machine.squaring = Squaring(board, queue) if section["sensor"] else None
 
-    def heed(self, what):
+    def on_events(self, what):
         if self._squaring:
-            self._squaring.both()
+            self._squaring.use_both()
 
     def ready(self):
         return not self._phase
@@ -68,7 +68,7 @@ class GantryWatch(Feature):
         self._waiting = False
         self._phase = self._tries = 0
 
-    def stopped(self, name):
+    def claim_stop(self, name):
         if not self._pair or name != self._encoders.name or not self._encoders.lagging:
             return False
         self._raise_alarm()
@@ -76,8 +76,8 @@ class GantryWatch(Feature):
 
     def _raise_alarm(self):
         encoders = self._encoders
-        counts = ["%s %d" % (name, encoders.count(number)) for name, number in zip(self._motors, self._pair)]
-        who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag())
+        counts = ["%s %d" % (name, encoders.count_of(number)) for name, number in zip(self._motors, self._pair)]
+        who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag_steps())
         if self._taken:
             who += ", %+d taken away since homing" % self._taken
         self._machine.raise_alarm(errors.ALARM_GANTRY, who)
@@ -100,13 +100,13 @@ class GantryWatch(Feature):
             return
         if not (queue.still() or queue.standing()):
             self._note_stand(now_ms)
-            if self._wait_steps and not self._waiting and abs(self._encoders.lag()) >= self._wait_steps:
+            if self._wait_steps and not self._waiting and abs(self._encoders.lag_steps()) >= self._wait_steps:
                 self._waiting = True
                 queue.hold(True)
             return
         if self._encoders.checks == self._checks or (now_ms - self._stood_ms) & COUNT_MASK < self._settle_ms:
             return
-        lag = self._encoders.lag()
+        lag = self._encoders.lag_steps()
         if lag:
             self._begin_squaring(lag)
         else:
@@ -127,7 +127,7 @@ class GantryWatch(Feature):
         if self._tries > _SQUARINGS or abs(self._taken + lag) > self._limit_steps or abs(lag) > self._limit_steps:
             self._raise_alarm()
             return
-        first, second = [self._encoders.steps(number) for number in self._pair]
+        first, second = [self._encoders.steps_beyond(number) for number in self._pair]
         self._motor = 1 if abs(second) >= abs(first) else 0
         self._forward = lag < 0 if self._motor else lag > 0
         self._left = abs(lag)
@@ -142,7 +142,7 @@ class GantryWatch(Feature):
 
     def _step_alone(self, now_ms):
         phase = self._phase
-        step, direction = self._feeder.drive.pins(self._motor)
+        step, direction = self._feeder.drive.pin_masks(self._motor)
         levels = self._queue.pins(self._queue.lit()) & ~direction
         self._player.rest(levels | (direction if self._forward else 0) | (step if phase == _RISE else 0))
         self._phase = phase + 1 if phase < _FALL else _RISE

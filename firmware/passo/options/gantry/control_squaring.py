@@ -24,13 +24,13 @@ class Squaring:
         self._rest = self._alone = 0  # steps that one side has to go alone, and which
         self._stood = 0  # the position of the first side to trip
 
-    def phases(self, homing):
+    def make_phases(self, homing):
         self._homing = homing
         return self._seek_other_side, self._pull_off_both, self._square_up
 
-    def both(self):
+    def use_both(self):
         """Both motors step again."""
-        self._drive.use(3)
+        self._drive.use_motors(3)
 
     def _seek_other_side(self, seeker):
         """The side that has not tripped goes on alone."""
@@ -41,7 +41,7 @@ class Squaring:
         seeker.keep(seeker.tripped)
         other = seeker.sensors[1 - seeker.tripped]
         self._stood = self._queue.axis(seeker.axis)
-        self._drive.use(1 if seeker.tripped else 2)
+        self._drive.use_motors(1 if seeker.tripped else 2)
         homing.until(True, errors.ALARM_TWO_MOTORS, other)
         homing.way(seeker, -self._rack_steps, seeker.locate_steps_s)
 
@@ -53,7 +53,7 @@ class Squaring:
             seeker.keep(0)
             homing.way(seeker, seeker.pull_off_steps - homing.gone(seeker, 0), seeker.seek_steps_s)
             return
-        self.both()
+        self.use_both()
         first = seeker.tripped
         seeker.keep(1 - first)
         ways = [0, 0]
@@ -72,5 +72,5 @@ class Squaring:
         if seeker.axis != self.axis:
             seeker.done = True
             return
-        self._drive.use(self._alone)
+        self._drive.use_motors(self._alone)
         homing.way(seeker, self._rest, seeker.locate_steps_s)

@@ -1,12 +1,12 @@
 """STEP/DIR drivers of a machine one axis of which has two motors, one at each side of a gantry.
 
     drive = GantryDrive(axes=3, axis=0)
-    drive.use(2)            # from the next word on only the second motor steps; 3: both
+    drive.use_motors(2)     # from the next word on only the second motor steps; 3: both
 """
 
 import micropython
 
-from passo.options.gantry.drive_viper import double, tally
+from passo.options.gantry.drive_viper import double_steps, tally
 
 
 class GantryDrive:
@@ -15,11 +15,11 @@ class GantryDrive:
         self._axis = axis
         self._motors = 3
 
-    def use(self, motors):
+    def use_motors(self, motors):
         """Mask of the motors that step in all words made from now on."""
         self._motors = motors
 
-    def pins(self, motor):
+    def pin_masks(self, motor):
         """(step, direction) of motor 0 or 1, as masks of the pins."""
         bit = 1 << (self._axes if motor else self._axis)
         return bit, bit << self._axes + 1
@@ -27,7 +27,7 @@ class GantryDrive:
     @micropython.native
     def apply(self, words, at, count):  # ISR: no allocation
         """Turn words[at : at + count] from the step form into pins; the tool bit and time stay."""
-        double(words, at, count, self._axes, self._axis, self._motors)
+        double_steps(words, at, count, self._axes, self._axis, self._motors)
 
     @micropython.native
     def tally(self, words, mask, word, until, position):  # ISR: no allocation

@@ -8,7 +8,7 @@ import micropython
 
 
 @micropython.viper
-def double(words: ptr32, at: int, count: int, axes: int, axis: int, motors: int):  # ISR: no allocation
+def double_steps(words: ptr32, at: int, count: int, axes: int, axis: int, motors: int):  # ISR: no allocation
     """Turn words[at : at + count] from the step form into pins: both motors of `axis` make its steps, or those of the mask
     `motors`: 1 the first, 2 the second."""
     field = (1 << axes) - 1

@@ -27,7 +27,7 @@ _STANDING = ("idle", "alarm", "check", "sleep")
 
 
 class Independent(Feature):
-    heeds = WORK_GONE
+    event_mask = WORK_GONE
 
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
@@ -55,7 +55,7 @@ class Independent(Feature):
             commands.STILL: self._keep_jogs,
         }
 
-    def active(self):
+    def owns_axes(self):
         """True from a RUN to the stand behind it."""
         return self._command is not None
 
@@ -63,7 +63,7 @@ class Independent(Feature):
         """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
         return [((now - then + COUNT_HALF) & COUNT_MASK) - COUNT_HALF for now, then in zip(self._queue.position(), self._from)]
 
-    def heed(self, _=WORK_GONE):
+    def on_events(self, _=WORK_GONE):
         """All motion has ended, or has been dropped."""
         self._command = self._jog = None
         self._off = 0
@@ -87,7 +87,7 @@ class Independent(Feature):
         command = self._command
         if self._off == self._all:
             self._machine.motors.drives(False)
-        self.heed()
+        self.on_events()
         self._queue.settle()
         self._machine.tell(Event(FINISHED, command))
 
@@ -96,7 +96,7 @@ class Independent(Feature):
         now_ms = self._machine.port.machine_ms()
         unpowered = 0
         for axis in range(len(self._axes)):
-            if not self.walker.stands(axis):
+            if not self.walker.is_at_rest(axis):
                 self._moved_ms[axis] = now_ms
             elif self._off >> axis & 1 and (now_ms - self._moved_ms[axis]) & COUNT_MASK >= _SETTLE_MS:
                 unpowered |= 1 << axis
@@ -104,9 +104,9 @@ class Independent(Feature):
             self._unpowered = unpowered
             self._machine.motors.unpowered(unpowered)
 
-    def turning(self, axis):
+    def is_turning(self, axis):
         """True while steps of an axis are to come."""
-        return self.walker.togo(axis) != 0
+        return self.walker.steps_to_go(axis) != 0
 
     # --- commands
 
@@ -179,7 +179,7 @@ class Independent(Feature):
     def _is_reachable(self, axis, steps, limited):
         """False if soft limits (`limited`) forbid it, or it is too far to be counted."""
         endless = abs(steps) == FOREVER
-        if not endless and abs(steps) > MOST_STEPS - (max(self.walker.togo(axis), 0) if self._command else 0):
+        if not endless and abs(steps) > MOST_STEPS - (max(self.walker.steps_to_go(axis), 0) if self._command else 0):
             return False
         if not limited:
             return True
@@ -190,7 +190,7 @@ class Independent(Feature):
 
     @micropython.native
     def _turns_round(self, axis, steps):
-        return self.walker.togo(axis) and self.walker.counts_down(axis) != (steps < 0)
+        return self.walker.steps_to_go(axis) and self.walker.counts_down(axis) != (steps < 0)
 
     @micropython.native
     def _start_axes(self, command, intervals):
@@ -218,12 +218,12 @@ class Independent(Feature):
             over, ms = command.rates[axis]
             rest = ms * TICKS_PER_MS % over
             if not steps:
-                walker.set(axis, 0, each, rest, over, walker.counts_down(axis), True)
+                walker.run_axis(axis, 0, each, rest, over, walker.counts_down(axis), True)
             elif abs(steps) == FOREVER:
-                walker.set(axis, ENDLESS, each, rest, over, steps < 0)
+                walker.run_axis(axis, ENDLESS, each, rest, over, steps < 0)
             else:
                 add = self._command is not None and not self._turns_round(axis, steps)
-                walker.set(axis, abs(steps), each, rest, over, steps < 0, add)
+                walker.run_axis(axis, abs(steps), each, rest, over, steps < 0, add)
                 target[axis] += steps
         self._command = command
         if not walker.running and walker.active():
@@ -240,11 +240,11 @@ class Independent(Feature):
             self._fastest[axis] = fastest = max(settings.value(table.SPEED + axis) * steps_per_m // 60_000_000, 1)
             if self._ramps:
                 acceleration = settings.value(table.ACCELERATION + axis) * steps_per_m // 1_000_000
-                self.walker.limits(axis, fastest, max(acceleration, 1))
+                self.walker.set_limits(axis, fastest, max(acceleration, 1))
 
     def _stop_axes(self, command):
         for axis in range(len(self._axes)):
-            if command.value >> axis & 1 and not self.walker.stands(axis):
+            if command.value >> axis & 1 and not self.walker.is_at_rest(axis):
                 self.walker.stop(axis)
         self._off = command.unpowered
         if self._command is None and self._off == self._all and self._queue.still():

@@ -4,16 +4,16 @@ Steps that fall due within `least` ticks of each other share a word. An axis's d
 nominal ones, so what sharing moves never accumulates: the mean rate is exact.
 
     axes = IndependentAxes(2, least=50, setup=63)
-    axes.set(0, 100, 12_500, 0, 1)            # 100 steps of x, 1 ms apart
-    axes.set(1, ENDLESS, 4_166, 2, 3)         # y for ever, 4166 ⅔ ticks apart
+    axes.run_axis(0, 100, 12_500, 0, 1)       # 100 steps of x, 1 ms apart
+    axes.run_axis(1, ENDLESS, 4_166, 2, 3)    # y for ever, 4166 ⅔ ticks apart
     planner.walk(axes, tool=False)
-    axes.set(0, 50, 12_500, add=True)         # x goes 50 further, without a gap
+    axes.run_axis(0, 50, 12_500, add=True)    # x goes 50 further, without a gap
     axes.stop(1)
 
-All of it may be asked for while they run: set() and stop() leave a request that the next word takes up, whole or not at all. The main loop
+All of it may be asked for while they run: run_axis() and stop() leave a request that the next word takes up, whole or not at all. The main loop
 writes `asked` (all steps ever asked for) and the request, only while it is marked as not there; the feeder's interrupt writes all else.
 
-With limits() an axis speeds up and slows down along q, the square of its speed, which grows by `gain` a step: the unit
+With set_limits() an axis speeds up and slows down along q, the square of its speed, which grows by `gain` a step: the unit
 of speed is the axis's fastest / top, the interval between two steps is span / √q in their middle. A stop, a turn or
 the last step is then reached by slowing down; without limits the rate is constant from the first step to the last.
 
@@ -60,7 +60,7 @@ class IndependentAxes:
 
     # --- asking: main loop only
 
-    def limits(self, axis, fastest, acceleration):
+    def set_limits(self, axis, fastest, acceleration):
         """From now on the axis takes at most `fastest` steps/s and `acceleration` steps/s² (0: any). Only at a stand."""
         if not acceleration:
             self._put_field(axis, AXIS_GAIN, 0)
@@ -72,13 +72,13 @@ class IndependentAxes:
         self._put_field(axis, AXIS_GAIN, gain)
 
     @micropython.native
-    def set(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
+    def run_axis(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
         """Run `axis` for `steps` (≥ 0 or ENDLESS), a step every each + rest/over ticks (each ≥ 2 · least, < 2²⁹).
 
         `add`: on top of those to come, which are of the same direction; else in the place of those. To add 0 changes the rate from the
         next step on. Raises ValueError.
         """
-        togo = self.togo(axis) if add else 0
+        togo = self.steps_to_go(axis) if add else 0
         if togo == ENDLESS and steps:
             add = False
         if steps < ENDLESS or steps > MOST_STEPS - max(togo, 0):
@@ -126,7 +126,7 @@ class IndependentAxes:
                 self._put_field(axis, field, 0)
 
     @micropython.native
-    def togo(self, axis):
+    def steps_to_go(self, axis):
         """Steps still to come of an axis; ENDLESS: no end."""
         if self._get_field(axis, AXIS_NEW_ENDLESS):
             return ENDLESS
@@ -141,7 +141,7 @@ class IndependentAxes:
         """True if the axis was last asked to count down."""
         return bool(self._get_field(axis, AXIS_NEW_NEGATIVE))
 
-    def stands(self, axis):
+    def is_at_rest(self, axis):
         """True if no step of the axis is to come, nor has been asked for."""
         togo, asked = self._get_field(axis, AXIS_TO_GO), self._get_field(axis, AXIS_ASKED)
         return not togo and not self._get_field(axis, AXIS_NEW) and asked == self._get_field(axis, AXIS_TAKEN)

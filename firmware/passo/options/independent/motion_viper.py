@@ -16,7 +16,7 @@ FAR = const(0x1FFFFFFF)  # ticks: no step is due as late as this
 
 
 @micropython.viper
-def root(q: int, near: int) -> int:  # ISR: no allocation
+def square_root(q: int, near: int) -> int:  # ISR: no allocation
     """√q, rounded down; `near`: a guess above 0."""
     if q < 1:
         return 0
@@ -30,7 +30,7 @@ def root(q: int, near: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def take(state: ptr32, at: int):  # ISR: no allocation
+def take_request(state: ptr32, at: int):  # ISR: no allocation
     """Take up what has been asked of the axis whose numbers begin at state[at]."""
     q = state[at + AXIS_Q]
     gain = state[at + AXIS_GAIN]
@@ -68,7 +68,7 @@ def take(state: ptr32, at: int):  # ISR: no allocation
 
 
 @micropython.viper
-def pace(state: ptr32, at: int) -> int:  # ISR: no allocation
+def steady_ticks(state: ptr32, at: int) -> int:  # ISR: no allocation
     """Ticks from the step just made to the next one, of an axis that does not accelerate."""
     carry = state[at + AXIS_CARRY] + state[at + AXIS_REST]
     ticks = state[at + AXIS_EACH]
@@ -80,7 +80,7 @@ def pace(state: ptr32, at: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def interval(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
+def step_ticks(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
     """Ticks from the step just made to the next one, `togo` being left."""
     gain = state[at + AXIS_GAIN]
     if gain:
@@ -102,20 +102,20 @@ def interval(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
                 middle = (gain + 1) >> 1
             span = state[at + AXIS_SPAN]
             if middle < 0x100000:
-                speed = root(middle << 8, 0x2000)
+                speed = square_root(middle << 8, 0x2000)
                 ticks = (span // speed << 4) + (span % speed << 4) // speed
             else:
-                speed = root(middle, 0x2000)
+                speed = square_root(middle, 0x2000)
                 ticks = span // speed
             return state[at + AXIS_EACH] if ticks < state[at + AXIS_EACH] and q <= aim else ticks
-    return int(pace(state, at))
+    return int(steady_ticks(state, at))
 
 
 @micropython.viper
-def advance(state: ptr32, at: int, axis: int, made: ptr32) -> int:  # ISR: no allocation
+def advance_axis(state: ptr32, at: int, axis: int, made: ptr32) -> int:  # ISR: no allocation
     """Let the axis whose numbers begin at state[at] step if it is due. Returns 0: it stands; 1: it waits for its next step; 2: it steps."""
     if state[at + AXIS_NEW] or state[at + AXIS_ASKED] != state[at + AXIS_TAKEN]:
-        take(state, at)
+        take_request(state, at)
     due = state[at + AXIS_DUE]
     togo = state[at + AXIS_TO_GO]
     if togo == 0 or (state[INDEPENDENT_HOLD] and state[at + AXIS_Q] == 0):
@@ -134,15 +134,15 @@ def advance(state: ptr32, at: int, axis: int, made: ptr32) -> int:  # ISR: no al
             togo -= 1
             state[at + AXIS_TO_GO] = togo
         if state[at + AXIS_GAIN]:
-            due += int(interval(state, at, togo))
+            due += int(step_ticks(state, at, togo))
         else:
-            due += int(pace(state, at))
+            due += int(steady_ticks(state, at))
     state[at + AXIS_DUE] = due
     return steps
 
 
 @micropython.viper
-def elapse(state: ptr32, ticks: int):  # ISR: no allocation
+def let_elapse(state: ptr32, ticks: int):  # ISR: no allocation
     """Let `ticks` pass for all axes."""
     axis = 0
     at = INDEPENDENT_AXIS + AXIS_DUE
@@ -169,7 +169,7 @@ def walk(words: ptr32, at: int, room: int, bits: int, state: ptr32, made: ptr32)
         axis = 0
         a = INDEPENDENT_AXIS
         while axis < state[INDEPENDENT_AXES]:
-            steps = int(advance(state, a, axis, made))
+            steps = int(advance_axis(state, a, axis, made))
             due = state[a + AXIS_DUE]
             if steps == 2:
                 mask |= 1 << axis
@@ -190,6 +190,6 @@ def walk(words: ptr32, at: int, room: int, bits: int, state: ptr32, made: ptr32)
         words[at + count] = (gap << bits) | state[INDEPENDENT_LEVELS] | mask
         count += 1
         ticks += gap
-        elapse(state, gap)
+        let_elapse(state, gap)
     state[INDEPENDENT_TICKS] = ticks
     return count

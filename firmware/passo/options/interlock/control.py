@@ -66,10 +66,10 @@ class InterlockWatch(Feature):
                 exempt = self._homes
             elif machine.command.kind == commands.PROBE:
                 exempt = self._probes
-        self._interlock.excuse(exempt)
+        self._interlock.exempt_inputs(exempt)
 
-    def stopped(self, name):
-        if name not in self._names or self._interlock.stops(name):
+    def claim_stop(self, name):
+        if name not in self._names or self._interlock.has_own_alarm(name):
             return False
         self._machine.raise_alarm(errors.ALARM_INTERLOCK, name)
         return True
@@ -93,7 +93,7 @@ class InterlockWatch(Feature):
     def _compare_pins(self, now_ms):
         """Compare the pins with the interlock's states, and take over differences that have lasted long enough."""
         interlock = self._interlock
-        raw = interlock.now()
+        raw = interlock.read_pins()
         changed = raw ^ self._raw
         self._raw = raw
         differing = (raw ^ interlock.states) & interlock.watched
@@ -107,7 +107,7 @@ class InterlockWatch(Feature):
                 forbids = (interlock.rise if active else interlock.fall) >> number & 1
                 ms = interlock.filters_us[number] // 1000 + 1 if forbids else self._release_ms
                 if (now_ms - self._since_ms[number]) & COUNT_MASK >= ms:
-                    interlock.settle(number, active)
+                    interlock.settle_input(number, active)
             differing >>= 1
             number += 1
 
@@ -135,7 +135,7 @@ class InterlockWatch(Feature):
             bit = INTERLOCK_OUTPUTS << number
             if not lost & bit:
                 continue
-            blamed = interlock.blamed(bit, True)
+            blamed = interlock.blocking_input(bit, True)
             if self._outputs[number] in self._vital:
                 machine.motors.release()
                 if machine.alarm in errors.WATCHED:
@@ -150,9 +150,9 @@ class InterlockWatch(Feature):
             self._rest_ms = now_ms
             return
         if (now_ms - self._rest_ms) & COUNT_MASK >= self._unasked_ms:
-            mask = self._interlock.grants()
+            mask = self._interlock.outputs_to_grant()
             if mask & ~self._interlock.granted:
-                self._interlock.grant(mask)
+                self._interlock.grant_outputs(mask)
 
     def report(self, report):
         report["glitches"] = sum(self._interlock.glitches) or None

@@ -18,7 +18,7 @@ from passo.config.board_error import BoardError
 from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS, INTERLOCK_TOOL
 
 
-def parse(text, where="row"):
+def parse_row(text, where="row"):
     """[{name: True or False}], one dict a product. Raises BoardError."""
     if not isinstance(text, str):
         raise BoardError("%s: a sum of products is wanted, not %r" % (where, text))
@@ -157,7 +157,7 @@ def compile_rows(board):
     unasked = {}  # by name: when it is on though the board does not ask
     for name, text in section["rows"].items():
         where = "interlock.rows." + name
-        products = parse(text, where)
+        products = parse_row(text, where)
         _input_masks(products, names, {}, where)  # all names are known
         for target, wanted in _gate_targets(name, products, names):
             when = _input_masks(products, names, wanted, where)

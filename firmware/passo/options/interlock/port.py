@@ -1,6 +1,6 @@
 """The interlock at the pins, shared by all ports: the active inputs, the motion and outputs that they forbid, and the stop.
 
-    port.veto.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
+    port.veto.take_change(number, active)  # from an interrupt: an input has changed, and has lasted its filter's time
     port.veto.denied                       # mask of INTERLOCK_…, now
 
 Subclasses, for chips and for the virtual port, bring it changes, and have now(), lit() and put(mask, on).
@@ -17,7 +17,7 @@ import micropython
 
 from passo.options.interlock.steps_viper import (
     INTERLOCK_OUTPUTS, INTERLOCK_TOOL, PERMIT_ALLOWS, PERMIT_CARE, PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED,
-    PERMIT_VALUE, ahead, denied,
+    PERMIT_VALUE, find_ahead, find_denied,
 )  # fmt: skip
 
 
@@ -41,7 +41,7 @@ class Interlock:
         self.exempt = 0  # inputs that forbid nothing just now: homing looks for them
         self.denied = 0
         self.asked = 0  # outputs that the board has switched on
-        self.granted = 0  # and those that are on though it has not: see grant()
+        self.granted = 0  # and those that are on though it has not: see grant_outputs()
         self.lost = 0  # outputs that were switched off: see take_lost()
         self.glitches = array("i", [0] * len(self._names))  # changes of each input that did not last
         self.trips = array("i", [0] * len(self._names))
@@ -67,31 +67,31 @@ class Interlock:
     def start(self):  # ISR: no allocation
         """The player's start(): of words that have been looked at."""
         forbidden = self.denied
-        if forbidden and ahead(self._state, self._segments, self._played(), forbidden):
+        if forbidden and find_ahead(self._state, self._segments, self._played(), forbidden):
             self._trip()
             return False
         return self._start()
 
     @micropython.native
-    def change(self, number, active):  # ISR: no allocation
+    def take_change(self, number, active):  # ISR: no allocation
         """Input `number` is `active`, and has been for long enough."""
         if active:
             self.states |= 1 << number
         else:
             self.states &= ~(1 << number)
-        self.decide()
+        self.update_denied()
 
     @micropython.native
-    def decide(self):  # ISR: no allocation
+    def update_denied(self):  # ISR: no allocation
         """Decide which steps and outputs are forbidden now, and whether the player has to stop."""
         exempt = self.exempt
-        forbidden = denied(self.table, self.states & ~exempt | self.fall & exempt)
+        forbidden = find_denied(self.table, self.states & ~exempt | self.fall & exempt)
         self.denied = forbidden
         if self.granted:
-            gone = self.granted & denied(self._unasked, self.states)
+            gone = self.granted & find_denied(self._unasked, self.states)
             if gone:
                 self.granted &= ~gone
-                self.put(gone & ~self.asked, 0)
+                self.put_outputs(gone & ~self.asked, 0)
         if not forbidden:
             return
         lost = forbidden & (self.asked | self.granted)
@@ -100,21 +100,21 @@ class Interlock:
             self.granted &= ~lost
             self.lost |= lost
             self._lost_states = self.states
-            self.put(lost, 0)
+            self.put_outputs(lost, 0)
         if self._player is not None and (
-            ahead(self._state, self._segments, self._played(), forbidden & ~INTERLOCK_TOOL)
-            or forbidden & INTERLOCK_TOOL and self.lit()
+            find_ahead(self._state, self._segments, self._played(), forbidden & ~INTERLOCK_TOOL)
+            or forbidden & INTERLOCK_TOOL and self.is_tool_on()
         ):
             self._trip()
 
     @micropython.native
     def _trip(self):  # ISR: no allocation
-        self._wrong = ahead(self._state, self._segments, self._played(), self.denied) or self.denied & INTERLOCK_TOOL
+        self._wrong = find_ahead(self._state, self._segments, self._played(), self.denied) or self.denied & INTERLOCK_TOOL
         self._wrong_states = self.states
         self._port.trip(self)
 
     @micropython.native
-    def halted(self, item):  # ISR: no allocation
+    def note_halt(self, item):  # ISR: no allocation
         """A halting input, one of `items`, has stopped the player already."""
         number = 0
         while self.items[number] is not item:
@@ -122,14 +122,14 @@ class Interlock:
         if not self.states >> number & 1:  # it may bounce
             self.trips[number] += 1
         self.states |= 1 << number
-        forbidden = denied(self.table, self.states & ~self.exempt | self.fall & self.exempt)
+        forbidden = find_denied(self.table, self.states & ~self.exempt | self.fall & self.exempt)
         self.denied = forbidden
         lost = forbidden & (self.asked | self.granted)
         self.asked &= ~lost
         self.granted &= ~lost
         self.lost |= lost
         self._lost_states = self.states
-        self.put(lost, 0)
+        self.put_outputs(lost, 0)
 
     # --- main loop: it writes the interrupts' fields with the interrupts locked
 
@@ -139,20 +139,20 @@ class Interlock:
     def unlock(self, state):
         """Interrupts may come again."""
 
-    def settle(self, number, active):
-        """change(), from the main loop."""
+    def settle_input(self, number, active):
+        """Call take_change() from the main loop, with the interrupts locked out."""
         state = self.lock()
-        self.change(number, active)
+        self.take_change(number, active)
         self.unlock(state)
 
     @property
     def name(self):
         """The input that the last halt was for."""
-        number = self.cause(self._wrong, self._wrong_states)
+        number = self.input_to_blame(self._wrong, self._wrong_states)
         self.trips[number] += 1
         return self._names[number]
 
-    def cause(self, wrong, states):
+    def input_to_blame(self, wrong, states):
         """Return the number of the input to blame for the forbidden bits `wrong`: of the product that wants the fewest changes, the first."""
         table = self.table
         best, number = 99, 0
@@ -164,20 +164,20 @@ class Interlock:
                     best, number = len(found), found[0]
         return number
 
-    def blamed(self, wrong, lost=False):
+    def blocking_input(self, wrong, lost=False):
         """Return the name of the input that forbids `wrong` now; `lost`: of the one that forbade it when an output was lost."""
-        return self._names[self.cause(wrong, self._lost_states if lost else self.states)]
+        return self._names[self.input_to_blame(wrong, self._lost_states if lost else self.states)]
 
-    def stops(self, name):
+    def has_own_alarm(self, name):
         """True for a limit and an input that halts, which have an alarm of their own."""
         return bool(self._limits >> self._names.index(name) & 1)
 
-    def excuse(self, inputs):
+    def exempt_inputs(self, inputs):
         """The inputs of a mask forbid nothing from now on, others do again."""
         if inputs != self.exempt:
             state = self.lock()
             self.exempt = inputs
-            self.decide()
+            self.update_denied()
             self.unlock(state)
 
     def take_lost(self):
@@ -191,9 +191,9 @@ class Interlock:
     def read(self, states):
         """Believe the inputs as they are: at the start."""
         self.states = states
-        self.decide()
+        self.update_denied()
 
-    def refusal(self, steps, tool):
+    def refusal_mask(self, steps, tool):
         """Return the forbidden part of a motion: `steps` of each axis (None: none), `tool` on."""
         wanted = INTERLOCK_TOOL if tool else 0
         for axis in range(len(steps)):
@@ -212,17 +212,17 @@ class Interlock:
             if on:
                 self.lost |= bit
                 self._lost_states = self.states
-        self.put(bit, 1 if (self.asked | self.granted) & bit else 0)
+        self.put_outputs(bit, 1 if (self.asked | self.granted) & bit else 0)
         self.unlock(state)
 
-    def grants(self):
+    def outputs_to_grant(self):
         """Mask of the outputs that the equations switch on though the board does not ask."""
-        return self._unasked[PERMIT_GATED] & ~denied(self._unasked, self.states) & ~self.denied
+        return self._unasked[PERMIT_GATED] & ~find_denied(self._unasked, self.states) & ~self.denied
 
-    def grant(self, mask):
+    def grant_outputs(self, mask):
         """Switch on outputs of `mask` that the board has not asked for, as far as that is allowed now."""
         state = self.lock()
-        mask &= self.grants()
+        mask &= self.outputs_to_grant()
         self.granted |= mask
-        self.put(mask, 1)
+        self.put_outputs(mask, 1)
         self.unlock(state)

@@ -12,7 +12,7 @@ import micropython
 from machine import Pin, disable_irq, enable_irq
 
 from passo.options.interlock.port import Interlock
-from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS, INTERLOCK_TOOL, ahead, denied
+from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS, INTERLOCK_TOOL, find_ahead, find_denied
 from passo.steps.position import Latch
 
 
@@ -31,12 +31,12 @@ class PinInterlock(Interlock):
             bit <<= 1
         self.watches = {}  # by the inputs' numbers
         self.items = [inputs[entry["name"]] for entry in board["inputs"]]
-        self.read(self.now())
+        self.read(self.read_pins())
         for number in range(len(self.items)):
             if self.watched >> number & 1 and not board["inputs"][number]["halt"] and self.items[number].pin is not None:
                 self.watches[number] = PinWatch(self.items[number], number, self, port)
 
-    def now(self):
+    def read_pins(self):
         """The inputs as they are at the pins, a bit each: 1 active."""
         states = 0
         bit = 1
@@ -47,12 +47,12 @@ class PinInterlock(Interlock):
         return states
 
     @micropython.native
-    def lit(self):  # ISR: no allocation
+    def is_tool_on(self):  # ISR: no allocation
         """True while the tool's pin is on."""
         return self._tool.value() == self._on
 
     @micropython.native
-    def put(self, mask, on):  # ISR: no allocation
+    def put_outputs(self, mask, on):  # ISR: no allocation
         """Switch the outputs of `mask`, INTERLOCK_…: 1 on, 0 off."""
         for bit, pin, off in self._pins:
             if mask & bit:
@@ -81,10 +81,10 @@ class PinWatch(Latch):
             edges |= Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING
         if fall:
             edges |= Pin.IRQ_FALLING if item.level else Pin.IRQ_RISING
-        port.watch(item.pin, self.edge, edges)
+        port.watch(item.pin, self.on_edge, edges)
 
     @micropython.native
-    def edge(self, pin):  # ISR: no allocation
+    def on_edge(self, pin):  # ISR: no allocation
         begun = ticks_us()
         value = pin.value()
         interlock, number, bit, level, rise, fall, filter_us, table = self._all
@@ -98,7 +98,7 @@ class PinWatch(Latch):
             return  # it allows: the main loop sees to it
         # The steps that this is going to forbid, and the player's stop: looked up while the filter's time passes.
         exempt = interlock.exempt
-        forbidden = denied(table, (states ^ bit) & ~exempt | interlock.fall & exempt) & ~INTERLOCK_TOOL
+        forbidden = find_denied(table, (states ^ bit) & ~exempt | interlock.fall & exempt) & ~INTERLOCK_TOOL
         playing = interlock.playing
         if playing is not None:
             state, marks, played, halt, hold = playing
@@ -108,10 +108,10 @@ class PinWatch(Latch):
             if pin.value() != value:
                 interlock.glitches[number] += 1
                 return
-        if playing is not None and ahead(state, marks, played(), forbidden):
-            halt()  # the sooner the better; change() says why
+        if playing is not None and find_ahead(state, marks, played(), forbidden):
+            halt()  # the sooner the better; take_change() says why
             hold(True)
-        interlock.change(number, active)
+        interlock.take_change(number, active)
 
 
 def create(board, port, inputs, outputs):

@@ -18,7 +18,7 @@ class VirtualInterlock(Interlock, VirtualInputs):
         self._hears = hasattr(world, "listen")
         if self._hears:
             world.listen(self.on_change)
-        self.read(self.now())
+        self.read(self.read_pins())
 
     def join(self, feeder, player):
         Interlock.join(self, feeder, player)
@@ -52,9 +52,9 @@ class VirtualInterlock(Interlock, VirtualInputs):
 
     def _lasted(self, key, active):
         if self.states >> key & 1 != active:  # else the main loop has been first
-            self.change(key, active)
+            self.take_change(key, active)
 
-    def now(self):
+    def read_pins(self):
         return self._read_world(self._port.now)
 
     def _read_world(self, tick):
@@ -66,10 +66,10 @@ class VirtualInterlock(Interlock, VirtualInputs):
 
     # --- outputs
 
-    def lit(self):
+    def is_tool_on(self):
         return bool(self._player.levels() & self._tool)
 
-    def put(self, mask, on):
+    def put_outputs(self, mask, on):
         tick = max(self._port.now, self._player.now) if self._player is not None else self._port.now
         bit = INTERLOCK_OUTPUTS
         for name, off in self._offs:

@@ -1,10 +1,10 @@
 """The interlock's arithmetic: the bits that the inputs forbid, and the steps that lie ahead.
 
-    forbidden = denied(table, states)               # mask of INTERLOCK_…; `states`: a bit an input, 1: active
-    if ahead(state, marks, played, forbidden): …    # what is made and not yet played steps so, or has the tool on
+    forbidden = find_denied(table, states)          # mask of INTERLOCK_…; `states`: a bit an input, 1: active
+    if find_ahead(state, marks, played, forbidden): …   # what is made and not yet played steps so, or has the tool on
 
-A table is what manifest_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
-takes about 0.5 µs a product, ahead() about 3 µs a segment until it finds something: 40 µs if that is nothing.
+A table is what manifest_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 find_denied()
+takes about 0.5 µs a product, find_ahead() about 3 µs a segment until it finds something: 40 µs if that is nothing.
 
 A segment counts with the whole of its way, so of an arc that turns round within one segment (6 ms at most) only the net
 direction is seen until the next.
@@ -33,7 +33,7 @@ PERMIT_FIELDS = const(3)
 
 
 @micropython.viper
-def denied(table: ptr32, states: int) -> int:  # ISR: no allocation
+def find_denied(table: ptr32, states: int) -> int:  # ISR: no allocation
     """Return the mask of bits that are gated and not allowed."""
     left = table[PERMIT_PRODUCTS]
     result = table[PERMIT_GATED]
@@ -47,7 +47,7 @@ def denied(table: ptr32, states: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def ahead(state: ptr32, marks: ptr32, played: int, wanted: int) -> int:  # ISR: no allocation
+def find_ahead(state: ptr32, marks: ptr32, played: int, wanted: int) -> int:  # ISR: no allocation
     """The first of the `wanted` directions found in segments not yet played to their end: mask, bit 2 · axis forward, the next
     back; INTERLOCK_TOOL if it is wanted and the last segment made has the tool on. 0: there is none."""
     stride = MARK_FIELDS + state[FEED_AXES]

@@ -90,7 +90,7 @@ class JobLine:
 
 
 class Jobs(Feature):
-    heeds = WORK_GONE
+    event_mask = WORK_GONE
 
     def __init__(self, board, machine, queue):
         config = board["jobs"]
@@ -372,7 +372,7 @@ class Jobs(Feature):
             self._announce_job(0)
             self._end_job(0)
 
-    def heed(self, _):
+    def on_events(self, _):
         """All work is dropped, by a stop, a reset, an alarm."""
         self._rest = self._close_job(self._rest)
         if self._reading is not None:

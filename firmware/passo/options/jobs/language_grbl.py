@@ -25,11 +25,11 @@ def extend(protocol, board):
     notices = dict(protocol.notices)  # those of this link: the class has none
     notices[errors.NOTICE_JOB_ENDED] = end_text
     protocol.notices = notices
-    teach(protocol)
+    teach_lines(protocol)
 
 
-def teach(words):
-    words.learn("$F", commands.JOB, understand, told)
+def teach_lines(words):
+    words.learn_lines("$F", commands.JOB, line_commands, answer_text)
 
 
 def _count_lines(data):
@@ -44,7 +44,7 @@ def _job_command(what, target=None):
     return [Command(commands.JOB, target, what)]
 
 
-def understand(machine, text):
+def line_commands(machine, text):
     """The commands of a line in which `text` follows `$F`, or the number of an error."""
     if not text:
         return _job_command(commands.JOB_LIST)
@@ -67,7 +67,7 @@ def understand(machine, text):
     return errors.STATEMENT
 
 
-def told(value):
+def answer_text(value):
     """The lines that answer `$F` and `$F?`."""
     if len(value) == 3:
         return "[ENDED:%s|%d|%d]\r\n" % value

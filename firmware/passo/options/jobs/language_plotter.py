@@ -1,7 +1,7 @@
 """Stored jobs in the plotter's language: packets, each answered by a byte. One at a time: a refused one has no answer, and nothing
 behind it may be done."""
 
-from passo.options.jobs.language_grbl import teach
+from passo.options.jobs.language_grbl import teach_lines
 from passo.protocols.plotter.words import PacketWords
 
 LIMITS = (1, 6)  # packets not yet answered; bytes given at once
@@ -18,4 +18,4 @@ def count_answers(said, before, given):
 
 def extend(protocol, board):
     protocol.stored = LIMITS, FRAME, count_units, count_answers
-    teach(PacketWords.of(protocol))
+    teach_lines(PacketWords.words_of(protocol))

@@ -1,7 +1,7 @@
 """Stored jobs in the language of pulse codes, streamed. Their blocks of CREDIT are answered, and the end."""
 
 from passo import errors
-from passo.options.jobs.language_grbl import end_text, teach
+from passo.options.jobs.language_grbl import end_text, teach_lines
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
 from passo.protocols.words import Words
 
@@ -22,6 +22,6 @@ def count_answers(said, before, given):
 
 def extend(protocol, board):
     protocol.stored = LIMITS, FRAME, count_units, count_answers
-    words = Words.of(protocol)
+    words = Words.words_of(protocol)
     words.notices[errors.NOTICE_JOB_ENDED] = end_text
-    teach(words)
+    teach_lines(words)

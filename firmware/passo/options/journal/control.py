@@ -40,12 +40,12 @@ _FORM = "<HHIIiiii"
 _EMPTY = b"\xff" * 32
 
 
-def packed(sequence, flags, job, line, position):
+def pack_record(sequence, flags, job, line, position):
     body = pack(_FORM, sequence, flags, job, line, *position)
     return body + pack("<I", crc32(body) & 0xFFFFFFFF)
 
 
-def unpacked(data):
+def unpack_record(data):
     """(sequence, flags, job, line, [positions]), or None if the record is not whole."""
     if len(data) != JOURNAL_BYTES or unpack("<I", data[28:])[0] != crc32(data[:28]) & 0xFFFFFFFF:
         return None
@@ -54,7 +54,7 @@ def unpacked(data):
 
 
 class JobJournal(Feature):
-    heeds = QUEUE_GONE
+    event_mask = QUEUE_GONE
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
@@ -98,7 +98,7 @@ class JobJournal(Feature):
                         break
                     self._empty[block] += 1
                     continue
-                record = unpacked(bytes(data))
+                record = unpack_record(bytes(data))
                 if record and (newest is None or (record[0] - newest[0]) & 0xFFFF < 0x8000):
                     newest = record
                     self._newest = self._block = block
@@ -280,7 +280,7 @@ class JobJournal(Feature):
         if self._job and self._is_counting() and self._is_walking():
             self._write_spot()
 
-    def heed(self, _):
+    def on_events(self, _):
         """poll() has seen the stand of the hold."""
         if self._moving:
             self._write_record()
@@ -319,7 +319,7 @@ class JobJournal(Feature):
             return
         port = self._machine.port
         port.writing(True)
-        self._pages.write(self._block, self._slot, packed(self._sequence, *now))
+        self._pages.write(self._block, self._slot, pack_record(self._sequence, *now))
         port.writing(False)
         self._sequence = self._sequence + 1 & 0xFFFF
         self._written = now
@@ -338,7 +338,7 @@ class JobJournal(Feature):
                 port = self._machine.port
                 port.writing(True)
                 try:
-                    pages.erase(block)
+                    pages.erase_block(block)
                 except (OSError, MemoryError):  # there is no room: with the next start it is tried again
                     self._half = 0
                     self._machine.note(errors.MEMORY)

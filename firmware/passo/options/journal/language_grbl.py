@@ -12,14 +12,14 @@ from passo.records import COUNT_MASK
 
 
 def extend(protocol, board):
-    teach(protocol)
+    teach_lines(protocol)
 
 
-def teach(words):
-    words.learn("$JR", commands.JOURNAL, understand, told, True)
+def teach_lines(words):
+    words.learn_lines("$JR", commands.JOURNAL, line_commands, answer_text, True)
 
 
-def understand(machine, text):
+def line_commands(machine, text):
     """The commands of a line in which `text` follows `$JR`, or the number of an error."""
     if not text:
         return [Command(commands.JOURNAL)]
@@ -38,6 +38,6 @@ def understand(machine, text):
     return [Command(commands.JOURNAL, (job, fields[0], fields[1], fields[2], fields[3:]))]
 
 
-def told(value):
+def answer_text(value):
     job, line, flags, position = value
     return "[JOURNAL:%08x|%d|%d|%s]\r\n" % (job, line, flags, ",".join([str(steps) for steps in position]))

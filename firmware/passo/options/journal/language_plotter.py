@@ -1,8 +1,8 @@
 """The journal in the plotter's language."""
 
-from passo.options.journal.language_grbl import teach
+from passo.options.journal.language_grbl import teach_lines
 from passo.protocols.plotter.words import PacketWords
 
 
 def extend(protocol, board):
-    teach(PacketWords.of(protocol))
+    teach_lines(PacketWords.words_of(protocol))

@@ -1,8 +1,8 @@
 """The journal in the language of pulse codes."""
 
-from passo.options.journal.language_grbl import teach
+from passo.options.journal.language_grbl import teach_lines
 from passo.protocols.words import Words
 
 
 def extend(protocol, board):
-    teach(Words.of(protocol))
+    teach_lines(Words.words_of(protocol))

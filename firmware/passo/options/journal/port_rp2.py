@@ -75,7 +75,7 @@ class Pages:
         self._flash.writeblocks(self._numbers[block], self._page, slot * JOURNAL_BYTES - at)
         self._view[at : at + JOURNAL_BYTES] = b"\xff" * JOURNAL_BYTES
 
-    def erase(self, block):
+    def erase_block(self, block):
         """Raises OSError if there is no room for a file, MemoryError."""
         if self._numbers[block] < 0:
             self._make_file(block)

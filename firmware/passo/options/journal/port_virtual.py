@@ -18,7 +18,7 @@ class MemoryPages:
     def write(self, block, slot, data):
         self._slots[block, slot] = bytes(data)
 
-    def erase(self, block):
+    def erase_block(self, block):
         for slot in range(self.SLOTS):
             self._slots.pop((block, slot), None)
 

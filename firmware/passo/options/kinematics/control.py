@@ -31,7 +31,7 @@ class Pieces:
 class Queue(StreamQueue):
     def __init__(self, board, planner, feeder, player, port):
         StreamQueue.__init__(self, board, planner, feeder, player, port)
-        self._axes_of = planner.kinematics.axes
+        self._axes_of = planner.kinematics.to_axes
         self._zero = self._origin[:]  # in steps of the axes; `_origin` stays 0
         self._found = self._origin[:]
 
@@ -43,7 +43,7 @@ class Queue(StreamQueue):
         deltas = self.deltas(target)
         position = [here + zero for here, zero in zip(self.target, self._zero)]
         pieces = Pieces(deltas, planner.kinematics.pieces(position, deltas))
-        slowest, _ = planner.slowest([])
+        slowest, _ = planner.slowest_limits([])
         if ticks:
             nm_s = planner.own.length(deltas) * TICKS_PER_S // ticks
         chords = Chords(pieces, nm_s or slowest, tool, tag, planner.own.steps_per_m, [], slowest)
@@ -78,7 +78,7 @@ class Queue(StreamQueue):
         self.settle()
 
     def settle(self):
-        self._planner.stand(self._feeder.position(self._player.played()))
+        self._planner.stand_at(self._feeder.position(self._player.played()))
         StreamQueue.settle(self)
 
     def drop(self):

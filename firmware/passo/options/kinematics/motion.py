@@ -2,7 +2,7 @@
 
     planner = motion.Planner(2, board)      # by a module of MAPS, as corexy.py says
     planner.line((400, 30), …)              # as of a Planner
-    planner.stand(motors)                   # where the motors stand, whenever the machine has been stopped amid a block
+    planner.stand_at(motors)                # where the motors stand, whenever the machine has been stopped amid a block
 
 Blocks lead to positions, not by distances: the step that an axis is amid when it is stopped is not lost, the next block makes it up.
 Lines come as commands: a batch's rows are blocks already.
@@ -26,26 +26,26 @@ class Planner(planner.Planner):
 
     def limits(self, limits):
         self.own = limits
-        limits = planner.Planner.limits(self, limits and self.kinematics.limits(limits))
+        limits = planner.Planner.limits(self, limits and self.kinematics.motor_limits(limits))
         self.ready = False
         return limits
 
-    def slowest(self, axes):
+    def slowest_limits(self, axes):
         own = self.own
         return min(own.speeds), [own.accelerations[axis] for axis in axes]
 
-    def stand(self, motors):
+    def stand_at(self, motors):
         """The motors stand there, in steps from where the machine was switched on; nothing is queued."""
         for motor in range(self.axes):
             self._motors[motor] = motors[motor]
-        self.kinematics.axes(motors, self._end)
+        self.kinematics.to_axes(motors, self._end)
 
     def _lead_to(self, deltas):
         """`_ways` of the motors to what lies `deltas` beyond the queue's end, `_goal`."""
         goal, ways, motors = self._goal, self._ways, self._motors
         for axis in range(self.axes):
             goal[axis] = self._end[axis] + deltas[axis]
-        self.kinematics.motors(goal, ways)
+        self.kinematics.to_motors(goal, ways)
         for motor in range(self.axes):
             ways[motor] -= motors[motor]
 

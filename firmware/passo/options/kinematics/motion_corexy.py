@@ -5,9 +5,9 @@
 
 Any module here with these names is a machine's kinematics, by its name in the board file; mapped.py asks it, and nobody else:
 
-    motors(axes, into)    steps of the motors at a position in steps of the axes; from where the machine was switched on
-    axes(motors, into)    the other way round; amid a step the nearest below. `into` may be `motors`
-    limits(limits)        what the planner reckons with, a Limits of the motors: lengths along them are those of the path if STRAIGHT
+    to_motors(axes, into) steps of the motors at a position in steps of the axes; from where the machine was switched on
+    to_axes(motors, into) the other way round; amid a step the nearest below. `into` may be `motors`
+    motor_limits(limits)  what the planner reckons with, a Limits of the motors: lengths along them are those of the path if STRAIGHT
     arc_plane(plane)      of an arc in the plane (a, b, third) of the axes: the plane of motors in which it is one too, and True if it goes
                           the other way round there; None: no plane is
     STRAIGHT              True if a straight move of the axes at one speed is a straight move of the motors at one speed, too
@@ -24,7 +24,7 @@ from passo.motion.limits import Limits
 STRAIGHT = True
 
 
-def motors(axes, into):
+def to_motors(axes, into):
     x, y = axes[0], axes[1]
     into[0] = x + y
     into[1] = x - y
@@ -32,7 +32,7 @@ def motors(axes, into):
         into[axis] = axes[axis]
 
 
-def axes(motors, into):
+def to_axes(motors, into):
     a, b = motors[0], motors[1]
     into[0] = a + b >> 1
     into[1] = a - b >> 1
@@ -40,7 +40,7 @@ def axes(motors, into):
         into[axis] = motors[axis]
 
 
-def limits(limits):
+def motor_limits(limits):
     finest = limits.steps_per_m[0]
     finest = isqrt(2 * finest * finest)
     speed, acceleration = [isqrt(min(each[0], each[1]) ** 2 // 2) or 1 for each in (limits.speeds, limits.accelerations)]

@@ -1,7 +1,7 @@
 """The links of a board with a network: see machine_builder.lines_of().
 
     load(board)                     # early, each module after the one that it imports: there is no room for several at once
-    serials(board, port)            # the serial line of each link of the board file
+    make_serials(board, port)       # the serial line of each link of the board file
     create(language, link, …)       # its protocol; `language`: a package. A link for pages speaks theirs
     join(links, controller)         # once there are both
 """
@@ -13,7 +13,7 @@ _OF_PAGE = ("protocols.page.lease", "protocols.page.jog", "web.pace", "web.pages
 
 
 def load(board):
-    """Import what serials() will ask for. Raises BoardError."""
+    """Import what make_serials() will ask for. Raises BoardError."""
     try:
         files = __import__("passo_pages").FILES
     except ImportError:  # they are in the file system
@@ -51,7 +51,7 @@ def create(language, link, number, board, controller, shared, most):
     return __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
 
 
-def serials(board, port):
+def make_serials(board, port):
     """The serial line of each link of the board file. Raises BoardError."""
     from passo.web.lines import Radio, make_lines
 

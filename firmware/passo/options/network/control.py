@@ -58,7 +58,7 @@ class Admission(Feature):
 
         return handle_if_present
 
-    def admitted(self):
+    def is_admitted(self):
         """True while who sends no proof is admitted."""
         return self._length_ms > 0
 

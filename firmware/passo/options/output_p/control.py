@@ -16,7 +16,7 @@ from passo.records import COUNT_HALF, COUNT_MASK, KIND_WAIT, QUEUE_SIZE, ROW_KIN
 
 
 class DigitalOutputs(Feature):
-    heeds = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW | HOMING | BY_HAND | REFUSAL
+    event_mask = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW | HOMING | BY_HAND | REFUSAL
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
@@ -27,7 +27,7 @@ class DigitalOutputs(Feature):
         shower = getattr(machine.port, "switching", None)
         self._marks = Switches(*queue.lend(), machine) if shower else None
         if shower:
-            shower.show(self._marks)
+            shower.show_switches(self._marks)
 
     def handlers(self):
         return {commands.CODE + code: self._switch_output for code in range(62, 66)}
@@ -53,7 +53,7 @@ class DigitalOutputs(Feature):
             block = self._queue.added()
             self._waiting.append([block, name, on])
             if self._marks:
-                self._marks.ask(block, self._mark_value(name, on))
+                self._marks.ask_change(block, self._mark_value(name, on))
         return machine.accepted(command)
 
     def _replace_waiting(self, name, on):
@@ -64,7 +64,7 @@ class DigitalOutputs(Feature):
             if item[1] == name and self._next_motion(item[0]) == self._queue.added():
                 item[2] = on
                 if self._marks:
-                    self._marks.amend(len(waiting) - index, self._mark_value(name, on))
+                    self._marks.amend_change(len(waiting) - index, self._mark_value(name, on))
                 return True
         return False
 
@@ -113,13 +113,13 @@ class DigitalOutputs(Feature):
 
     def _count_shown(self):
         """Note the marks that have shown."""
-        for _ in range(self._marks.shown()):
+        for _ in range(self._marks.take_shown()):
             _, name, on = self._waiting.pop(0)
             self._note_state(name, on)
 
     def _drop_waiting(self):
         if self._marks:
-            self._marks.clear()
+            self._marks.clear_changes()
             self._count_shown()
         self._waiting.clear()
 
@@ -136,10 +136,10 @@ class DigitalOutputs(Feature):
             count += 1
         if count:
             if self._marks:
-                self._marks.withdraw(count)
+                self._marks.withdraw_last(count)
             del waiting[len(waiting) - count :]
 
-    def heed(self, what):
+    def on_events(self, what):
         if what & REFUSAL:
             self._drop_last()
             return

@@ -33,7 +33,7 @@ class PinSwitches:
         """`player`: a PioPlayer."""
         self._player = player
 
-    def show(self, switches):
+    def show_switches(self, switches):
         """From here on the player shows what is asked of `switches`."""
         player = self._player
         state = player._state

@@ -10,7 +10,7 @@ class VirtualSwitches:
     def join(self, feeder, player):
         self._player = player
 
-    def show(self, switches):
+    def show_switches(self, switches):
         """From here on the player shows what is asked of `switches`."""
         self._player.mark(switches, self._show_change)
 

@@ -1,9 +1,9 @@
 """Outputs that change with the first step of a motion: M62 and M63 as marks in the step stream.
 
     switches = Switches(feeder, player, machine)
-    port.switching.show(switches)               # a part of the port
-    switches.ask(queue.added(), 17 << 1 | 1)    # pin 17 high as the next block begins that moves
-    switches.shown()                            # how many have been shown since
+    port.switching.show_switches(switches)      # a part of the port
+    switches.ask_change(queue.added(), 17 << 1 | 1) # pin 17 high as the next block begins that moves
+    switches.take_shown()                       # how many have been shown since
 
 The main loop asks; start(), which the port puts in the place of player.start(), finds the word of each; the port shows it as that word begins:
 each writes its own field of `marks`.
@@ -14,7 +14,7 @@ that only turns a direction comes before that.
     words   . . a a a a t b b b b c c       block b has turned an axis; a change that came before b is due at its first b
     marks   |           |         |         FEED_OLDEST … FEED_NEWEST
 
-find() is one text for all interpreters; see motion/block_viper.py.
+find_words() is one text for all interpreters; see motion/block_viper.py.
 """
 # Shared with interrupts: switches, state, marks, indices
 
@@ -40,7 +40,7 @@ SWITCH_NEVER = const(0x20000000)
 
 
 @micropython.viper
-def find(switches: ptr32, state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32) -> int:  # ISR: no allocation
+def find_words(switches: ptr32, state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32) -> int:  # ISR: no allocation
     """Write each change's word, or that it is not known. Returns how many are known."""
     stride = MARK_FIELDS + state[FEED_AXES]
     at = state[FEED_OLDEST]
@@ -86,7 +86,7 @@ class Switches:
         self._start = player.start
         self.tell = None  # the port's function that start() calls while words of changes are known
 
-    def ask(self, block, value):
+    def ask_change(self, block, value):
         """Change a pin with the first step of block number `block` or, if that is a dwell, of the one behind it. At most SWITCH_MOST wait."""
         marks = self.marks
         at = SWITCH_FIRST + (marks[SWITCH_ASKED] & SWITCH_MOST - 1) * SWITCH_FIELDS
@@ -95,11 +95,11 @@ class Switches:
         marks[at + SWITCH_VALUE] = value
         marks[SWITCH_ASKED] = marks[SWITCH_ASKED] + 1 & COUNT_MASK  # last: from here on an interrupt may find it
 
-    def amend(self, back, value):
+    def amend_change(self, back, value):
         """The change that was asked for last, `back` 1, or before it, is another one. Only while its block is not queued."""
         self.marks[SWITCH_FIRST + (self.marks[SWITCH_ASKED] - back & SWITCH_MOST - 1) * SWITCH_FIELDS + SWITCH_VALUE] = value
 
-    def withdraw(self, count):
+    def withdraw_last(self, count):
         """Forget the `count` changes that were asked for last. Only while their block is not queued."""
         self.marks[SWITCH_ASKED] = self.marks[SWITCH_ASKED] - count & COUNT_MASK
 
@@ -109,7 +109,7 @@ class Switches:
         marks, state, segments, words, rows, indices = self._arrays
         # Parked, the counts are those of the way there.
         if marks[SWITCH_ASKED] != marks[SWITCH_SHOWN] and not self._shut and not self._machine.away:
-            if find(marks, state, segments, words, rows, indices) and self.tell:
+            if find_words(marks, state, segments, words, rows, indices) and self.tell:
                 self.tell()
         return self._start()
 
@@ -117,14 +117,14 @@ class Switches:
         """Have start() call tell() from here on."""
         self.tell = tell
 
-    def shown(self):
+    def take_shown(self):
         """How many changes have been shown since the last call: the oldest ones."""
         shown = self.marks[SWITCH_SHOWN]
         count = shown - self._counted & COUNT_MASK
         self._counted = shown
         return count
 
-    def clear(self):
+    def clear_changes(self):
         """Forget those that have not been shown."""
         marks = self.marks
         self._shut = True
@@ -133,7 +133,7 @@ class Switches:
         marks[SWITCH_ASKED] = marks[SWITCH_SHOWN]
         self._shut = False
 
-    def show(self, played, put):
+    def show_due(self, played, put):
         """For a port without interrupts: put(value) for each change that is due now that `played` words have begun. Returns the next one's word."""
         marks = self.marks
         while marks[SWITCH_ASKED] != marks[SWITCH_SHOWN]:

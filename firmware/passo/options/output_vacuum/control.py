@@ -12,7 +12,7 @@ WORD = ("vacuum", "Vac")
 
 
 class Vacuum(SwitchedOutput):
-    heeds = SAFE | OFF | ANEW
+    event_mask = SAFE | OFF | ANEW
 
     def __init__(self, board, machine, queue):
         clamped = [item for item in board["outputs"] if item["name"].rpartition("_")[2] == "clamp"]
@@ -40,7 +40,7 @@ class Vacuum(SwitchedOutput):
         if self.on:
             self._machine.port.output(self._name, on)
 
-    def heed(self, _=SAFE):
+    def on_events(self, _=SAFE):
         self.put(False)
 
-    halt = heed
+    halt = on_events

@@ -26,7 +26,7 @@ _PLUNGES = const(4)
 
 
 class Pauses(pauses.Pauses):
-    heeds = QUEUE_GONE
+    event_mask = QUEUE_GONE
 
     def __init__(self, board, machine, queue):
         pauses.Pauses.__init__(self, board, machine, queue)
@@ -35,13 +35,13 @@ class Pauses(pauses.Pauses):
         self._path = self._pulled = 0  # the axis's position as it left the path, and as it was pulled out; while the machine is away
         self._power = 0  # of the tool, there
 
-    def heed(self, _=QUEUE_GONE):
+    def on_events(self, _=QUEUE_GONE):
         """Forget the way back, because the queue has dropped the block that the axis left."""
-        self._detour.forget()
+        self._detour.forget_line()
         self._way = 0
         self._machine.away = False
 
-    halt = heed
+    halt = on_events
 
     def poll_hold(self):
         if not self._way or self._hands_back():
@@ -53,7 +53,7 @@ class Pauses(pauses.Pauses):
         if machine.dropping:
             return True
         way = self._way
-        done = self._detour.done()
+        done = self._detour.is_done()
         if not done and not self._queue.standing():
             return False
         self._detour.end()

@@ -2,12 +2,12 @@
 
     detour = Detour(feeder, player)
     detour.begin([0, 0, 400], 5_000_000, tool, power, tag)      # steps of each axis, nm/s; only at a stand
-    detour.done()                                               # it has been played to its end
+    detour.is_done()                                            # it has been played to its end
     detour.end()                                                # the queue is as it was, and held
 
 Between begin() and end() nothing may be queued: the queue has no room. The queue stays as it was; the row behind it is lent, and the fields
 of planner, ramp and feeder for the block under way are kept here. A hold meanwhile stops the line, and end() drops the rest of it. If all
-is dropped, forget(). Costs 2 kB of memory while it lasts.
+is dropped, forget_line(). Costs 2 kB of memory while it lasts.
 """
 
 from passo.records import *
@@ -53,7 +53,7 @@ class Detour:
         feeder.set_hold(False)
         feeder.open = fed
 
-    def done(self):
+    def is_done(self):
         """True once it has been played to its last word."""
         state = self._feeder.state
         indices = self._feeder.planner.indices
@@ -81,7 +81,7 @@ class Detour:
         feeder.set_hold(True)
         feeder.open = fed
 
-    def forget(self):
+    def forget_line(self):
         """Everything has been dropped."""
         self._kept = None
 

@@ -92,7 +92,7 @@ class ShiftRegisters:
         self._tool_pin = board["tool"]["pin"]
         if port.veto is not None:
             self._watch = RegisterWatch(port.veto, self)
-            self._watch.watch(port, board["registers"]["edges"], board["inputs"])
+            self._watch.watch_edges(port, board["registers"]["edges"], board["inputs"])
 
     def join(self, feeder, player):
         self.show_tool(self._tool_pin)
@@ -112,7 +112,7 @@ class ShiftRegisters:
             self._tool = Pin(number)
 
     @micropython.native
-    def put(self, bit, level):  # ISR: no allocation
+    def show_bit(self, bit, level):  # ISR: no allocation
         """Show an output."""
         state = disable_irq()
         if level:
@@ -148,7 +148,7 @@ class RegisterOutput:
 
     @micropython.native
     def value(self, level):  # ISR: no allocation
-        self._registers.put(self._bit, level)
+        self._registers.show_bit(self._bit, level)
 
 
 class RegisterWatch:
@@ -169,15 +169,15 @@ class RegisterWatch:
         self._inputs = self._states = -1  # as of the last look
         self._wait_us = 0
 
-    def watch(self, port, edges, inputs):
+    def watch_edges(self, port, edges, inputs):
         """Read the registers at once at each edge of these pins. `edges`: the board file's registers.edges, `inputs` its inputs."""
         for entry in edges:
             names = entry["inputs"].split()
             self._wait_us = max([self._wait_us] + [item["filter_us"] for item in inputs if item["name"] in names])
-            port.watch(Pin(entry["pin"], Pin.IN), self.edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
+            port.watch(Pin(entry["pin"], Pin.IN), self.on_edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
 
     @micropython.native
-    def edge(self, pin):  # ISR: no allocation
+    def on_edge(self, pin):  # ISR: no allocation
         registers = self._registers
         registers.exchange()
         self.look()
@@ -208,7 +208,7 @@ class RegisterWatch:
                     self._pending |= bit
                 else:
                     self._pending &= ~bit
-                    interlock.change(number, active)
+                    interlock.take_change(number, active)
         self._states = interlock.states
 
 

@@ -1,7 +1,7 @@
 """TMC2130 and TMC5160: datagrams of their SPI, and the registers that a board file's section becomes (datasheets rev. 1.10 and 1.14, 4 and 5).
 
-    data = datagram(GSTAT)          # asks for a register
-    data = datagram(GSTAT, 7)       # writes it
+    data = make_datagram(GSTAT)     # asks for a register
+    data = make_datagram(GSTAT, 7)  # writes it
 
 A datagram is an address and 32 bits, highest bit first. The reply meanwhile, a status byte and 32 bits, answers the datagram before: of a
 read with the register, of a write with the value written.
@@ -18,22 +18,22 @@ VERSIONS = {"tmc2130": 0x11, "tmc5160": 0x30}
 BYTES = const(5)
 
 
-def datagram(register, number=None):
+def make_datagram(register, number=None):
     if number is None:
         return bytes((register, 0, 0, 0, 0))
     return bytes((register | WRITES, number >> 24 & 255, number >> 16 & 255, number >> 8 & 255, number & 255))
 
 
-def faults(status):
+def fault_bits(status):
     """DRV_STATUS as a TMC2209 has it: 1 hot, 2 overheated, 0x3C shorts, 0xC0 open coils."""
     return status >> 26 & 1 | status >> 24 & 2 | status >> 25 & 0xC | (status >> 12 & 3) << 4 | status >> 23 & 0xC0
 
 
-def scale(current_ma, config):
+def current_scale(current_ma, config):
     """(CHOPCONF's vsense or GLOBALSCALER, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for the resistors."""
     mohm = config["sense_mohm"]
     if config["chip"] == "tmc2130":
-        return tmc2209.scale(current_ma, mohm, 320)
+        return tmc2209.current_scale(current_ma, mohm, 320)
     product = current_ma * mohm * 11585 // 325_000  # 256·32·√2: of both scales
     if product > 8192:
         return None
@@ -43,9 +43,9 @@ def scale(current_ma, config):
     return 32, 0
 
 
-def registers(motor, config):
+def register_rows(motor, config):
     """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
-    first, run = scale(motor["current_ma"], config)
+    first, run = current_scale(motor["current_ma"], config)
     hold = run * motor["hold_percent"] // 100
     halvings = MICROSTEPS.index(motor["microsteps"])
     stealth = 4 if motor["stealth"] else 0

@@ -23,7 +23,7 @@ class Motors(drives.Motors):
     def _open_line(self, config):
         self._config = config
         self._line = self._machine.port.make("spi_drivers", config)
-        self._registers = [chip.registers(motor, config) for motor in self._motors]
+        self._registers = [chip.register_rows(motor, config) for motor in self._motors]
         self._chains = {}  # {cs: numbers of its drivers, the last first: the order in which datagrams are sent}
         for number in range(len(self._motors)):
             pin = self._motors[number]["cs"]
@@ -46,7 +46,7 @@ class Motors(drives.Motors):
         pin = self._motors[self._number]["cs"]
         sent = b""
         for number in self._chains[pin]:
-            sent += data if number == self._number else chip.datagram(chip.IOIN)
+            sent += data if number == self._number else chip.make_datagram(chip.IOIN)
         at = chip.BYTES * self._chains[pin].index(self._number) + 1
         self._found = found = self._line.exchange(pin, sent)
         return found[at] << 24 | found[at + 1] << 16 | found[at + 2] << 8 | found[at + 3]
@@ -62,9 +62,9 @@ class Motors(drives.Motors):
 
     def _read_register(self, register):
         """The register; None if the chip does not say its version behind it."""
-        self._send_datagram(chip.datagram(register))
-        found = self._send_datagram(chip.datagram(chip.IOIN))
-        version = self._send_datagram(chip.datagram(chip.IOIN)) >> 24
+        self._send_datagram(chip.make_datagram(register))
+        found = self._send_datagram(chip.make_datagram(chip.IOIN))
+        version = self._send_datagram(chip.make_datagram(chip.IOIN)) >> 24
         return found if version in chip.VERSIONS.values() or register == chip.IOIN and version not in (0, 255) else None
 
     def _set_up(self):
@@ -86,8 +86,8 @@ class Motors(drives.Motors):
         if self._kept and not self._check_power(state):
             return True
         for register, number in rows:
-            self._send_datagram(chip.datagram(register, number))
-            if self._send_datagram(chip.datagram(chip.IOIN)) != number:
+            self._send_datagram(chip.make_datagram(register, number))
+            if self._send_datagram(chip.make_datagram(chip.IOIN)) != number:
                 return False
         for register, number in rows[-2:]:
             found = self._read_register(register)
@@ -102,11 +102,11 @@ class Motors(drives.Motors):
 
     def _check_driver(self, now_ms):
         """Look at a driver that is set up. True if it has answered."""
-        self._send_datagram(chip.datagram(chip.GSTAT))
-        state = self._send_datagram(chip.datagram(chip.DRV_STATUS))
-        status = self._send_datagram(chip.datagram(chip.IOIN))
-        if self._send_datagram(chip.datagram(chip.IOIN)) >> 24 not in chip.VERSIONS.values():
+        self._send_datagram(chip.make_datagram(chip.GSTAT))
+        state = self._send_datagram(chip.make_datagram(chip.DRV_STATUS))
+        status = self._send_datagram(chip.make_datagram(chip.IOIN))
+        if self._send_datagram(chip.make_datagram(chip.IOIN)) >> 24 not in chip.VERSIONS.values():
             return False
         if self._check_power(state):
-            self._judge_status(chip.faults(status), now_ms)
+            self._judge_status(chip.fault_bits(status), now_ms)
         return True

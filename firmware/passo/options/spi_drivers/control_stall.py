@@ -24,7 +24,7 @@ class Motors(stall_drives.Motors, spi_drives.Motors):
     _poll_driver = spi_drives.Motors._poll_driver
 
     def _register_rows(self, motor, feels):
-        rows = chip.registers(motor, self._config)
+        rows = chip.register_rows(motor, self._config)
         if motor["axis"] not in self._stalls:
             return rows
         register, gconf = rows[-2]

@@ -3,7 +3,7 @@
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import PIN
 from passo.options.drivers.manifest import check_motors, check_stalls, want_step_dir
-from passo.options.spi_drivers.config import scale
+from passo.options.spi_drivers.config import current_scale
 
 SHARES = ("drivers",)  # the option whose files it shares
 NO_STALL = 64
@@ -40,7 +40,7 @@ def check(board):
     if board.get("drivers"):
         raise BoardError("spi_drivers: not beside drivers, which are on a UART")
     want_step_dir(board)
-    check_motors(board, "spi_drivers", ("axis",), lambda current_ma: scale(current_ma, config))
+    check_motors(board, "spi_drivers", ("axis",), lambda current_ma: current_scale(current_ma, config))
     feel = [motor for motor in config["motors"] if motor["stall"] != NO_STALL]
     if feel:
         check_stalls(board, feel, "spi_drivers")

@@ -20,7 +20,7 @@ _GATHER = const(512)  # units that a stream sets out with, so that the board's p
 
 
 class StepProgramPlayer(StepProgramOrders):
-    heeds = QUEUE_GONE | WORK_GONE
+    event_mask = QUEUE_GONE | WORK_GONE
 
     def __init__(self, board, machine, queue):
         StepProgramOrders.__init__(self, board, machine, queue)
@@ -38,16 +38,16 @@ class StepProgramPlayer(StepProgramOrders):
     def handlers(self):
         return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
 
-    def active(self):
+    def owns_axes(self):
         return self._mode != IDLE or self._midway or self._start_ms is not None
 
-    def live(self):
+    def may_change(self):
         return self._mode != IDLE
 
-    def held(self):
+    def is_held(self):
         return self._midway and self._mode == IDLE
 
-    def heed(self, what):
+    def on_events(self, what):
         if what & WORK_GONE:
             self._forget_motion()
         if what & QUEUE_GONE and self._mode != IDLE:  # the stand came behind poll(), and the walk is off the queue
@@ -63,8 +63,8 @@ class StepProgramPlayer(StepProgramOrders):
         self._power_back()
         if self._streaming or self.program.open:
             self._reset_program()
-        self._walker.rewind()
-        self._walker.pause(self._least_ticks)
+        self._walker.go_to_start()
+        self._walker.pause_for(self._least_ticks)
         self._clear_state()
 
     def _drop_at_stand(self):
@@ -77,7 +77,7 @@ class StepProgramPlayer(StepProgramOrders):
         if not self._streaming:
             self._reset_program()
             return
-        self.program.expect(False)
+        self.program.expect_more(False)
         self._at_stand(self._give_up)
 
     def _give_up(self):
@@ -125,7 +125,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._mode = mode
         self._start_ms = None
         self._midway = self._midway or mode == RUN
-        walker.follow(self._hand if walker is self._walker else self._walker)
+        walker.follow_walker(self._hand if walker is self._walker else self._walker)
         if not self._drives:
             self._without = self._queue.position()
             self._machine.motors.unpower((1 << self.program.axes) - 1)
@@ -186,7 +186,7 @@ class StepProgramPlayer(StepProgramOrders):
         if mode == RUN:
             self._left_at = self._queue.target[:]
         else:
-            self._hand.cut()
+            self._hand.cut_program()
 
     def _finish_walk(self):
         """A walk has been played to its end."""
@@ -237,7 +237,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._go_along()
         elif self._pass < self._passes:
             self._pass += 1
-            self._walker.rewind()
+            self._walker.go_to_start()
             self._go_along()
         else:
             self._midway = self._streaming = False
@@ -269,5 +269,5 @@ class StepProgramPlayer(StepProgramOrders):
             "negative": seen.negative if stepping else 0,
             "tool": self._queue.lit(),
             "drives": self._drives,
-            "room": self.program.size - self.program.used(),
+            "room": self.program.size - self.program.cells_used(),
         }

@@ -92,8 +92,8 @@ class StepProgramOrders(Feature):
                 self._reset_program()
 
     def _reset_program(self, ring=False):
-        self.program.clear(self._default, ring)
-        self._walker.rewind()
+        self.program.clear_items(self._default, ring)
+        self._walker.go_to_start()
         self._clear_state()
         self._streaming = False
         self._powers = False  # the program switches the drives on somewhere
@@ -112,8 +112,8 @@ class StepProgramOrders(Feature):
         self._forget_moves()
 
     def _forget_moves(self):
-        self._manual.clear(self._default)
-        self._hand.rewind()
+        self._manual.clear_items(self._default)
+        self._hand.go_to_start()
 
     def _do_add(self, command):
         """STEP_PROGRAM_ADD."""
@@ -121,7 +121,7 @@ class StepProgramOrders(Feature):
 
     def _open_program(self, command):
         machine = self._machine
-        if self._streaming and self.active() and not self.program.open:
+        if self._streaming and self.owns_axes() and not self.program.open:
             return LATER
         refusal = machine.unready()
         if refusal:
@@ -134,7 +134,7 @@ class StepProgramOrders(Feature):
         job.announced = False
         self._reset_program(command.tool)
         self._streaming = command.tool
-        self.program.expect(True)
+        self.program.expect_more(True)
         self._origin = self._queue.target[:]
         self._command = command
         return machine.accepted(command)
@@ -157,7 +157,7 @@ class StepProgramOrders(Feature):
             if not self._is_reachable():
                 self._fail_program()
                 return errors.TRAVEL
-            if not self.active():
+            if not self.owns_axes():
                 self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
         return self._machine.accepted(command)
 
@@ -172,14 +172,14 @@ class StepProgramOrders(Feature):
                 value = 0
             if kind == commands.STEPS_SPEED:
                 value = min(value, self.fastest)
-            return self.program.append(marks.mark(_KINDS[kind], value))
+            return self.program.append(marks.make_mark(_KINDS[kind], value))
         if kind == commands.STEPS_FASTEST:
-            return self.program.append(marks.mark(marks.SPEED, self.fastest))
+            return self.program.append(marks.make_mark(marks.SPEED, self.fastest))
         if kind == commands.STEPS_DEFAULT:
-            return self.program.append(marks.mark(marks.SPEED, self._default))
+            return self.program.append(marks.make_mark(marks.SPEED, self._default))
         station = ASK if kind == commands.STEPS_ASK else value
         self._powers = self._powers or station == DRIVES_ON
-        return self.program.append(marks.mark(marks.STATION, station))
+        return self.program.append(marks.make_mark(marks.STATION, station))
 
     def write_progress(self, spot):
         """For the journal: see job_journal.py. False if nothing of the program has been played."""
@@ -215,8 +215,8 @@ class StepProgramOrders(Feature):
     def _close_program(self, command):
         if not self.program.open:
             return errors.NO_STEP_PROGRAM
-        self.program.expect(False)
-        if self._streaming and not self.active():
+        self.program.expect_more(False)
+        if self._streaming and not self.owns_axes():
             self._streaming = False
             self._tell_end("end")
         return self._machine.accepted(command, self.program.total)
@@ -269,7 +269,7 @@ class StepProgramOrders(Feature):
             if not backward and self._walker.at_end():
                 if self.program.start:
                     return errors.NO_STEP_PROGRAM  # its beginning was streamed and is forgotten
-                self._walker.rewind()
+                self._walker.go_to_start()
             if self._walker.at_start() and not self.program.start:
                 self._origin = self._queue.target[:]
             self._pass = 1

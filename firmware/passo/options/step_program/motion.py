@@ -1,9 +1,9 @@
 """A step program: a path written down step by step, which can be walked both ways from any index.
 
     program = StepProgram(3, cells=1024)
-    program.clear()
+    program.clear_items()
     program.append(run(0b011, 0b010, 500))    # 500 times: x a step forward and y a step back at once
-    program.append(mark(DWELL, 2000))
+    program.append(make_mark(DWELL, 2000))
 
 An item is one integer below 2³⁰. `count << 8 | negative << 4 | mask` is a run of equal single steps: of the axes in
 `mask`, those in `negative` backwards. If the mask is 0 it is a mark, `value << 8 | kind << 4`:
@@ -40,12 +40,12 @@ def run(mask, negative, count=1):
     return count << 8 | negative << 4 | mask
 
 
-def mark(kind, value=0):
+def make_mark(kind, value=0):
     """A mark with a value of 0 … MOST."""
     return value << 8 | kind << 4
 
 
-def units(item):
+def count_units(item):
     """How many units an item is."""
     if item & 15:
         return item >> 8
@@ -65,9 +65,9 @@ class StepProgram:
         self.at = [0] * axes  # steps from the start to the end, of each axis
         self.low = [0] * axes  # the farthest it gets
         self.high = [0] * axes
-        self.clear()
+        self.clear_items()
 
-    def clear(self, speed=0, ring=False):
+    def clear_items(self, speed=0, ring=False):
         """Forget everything. `speed` (mm/min) is in force at the start; `ring`: the oldest items may be forgotten."""
         self.first = self.end = 0  # cells
         self.start = 0  # index of the first cell
@@ -80,11 +80,11 @@ class StepProgram:
         for axis in range(self.axes):
             self.at[axis] = self.low[axis] = self.high[axis] = 0
 
-    def expect(self, more):
+    def expect_more(self, more):
         """`more`: items are to come, and a walk waits for them; else it is complete."""
         self.open = more
 
-    def used(self):
+    def cells_used(self):
         """Cells in use."""
         return (self.end - self.first) & COUNT_MASK
 
@@ -96,7 +96,7 @@ class StepProgram:
         if kind == SPEED:
             if not self._make_room(2):
                 return False
-            self._put_item(mark(WAS, self.speed))
+            self._put_item(make_mark(WAS, self.speed))
             self.speed = item >> 8
         elif not self._make_room(1):
             return False
@@ -147,12 +147,12 @@ class StepProgram:
         return at
 
     def _make_room(self, count):
-        if self.used() + count <= self.size:
+        if self.cells_used() + count <= self.size:
             return True
         if not self.ring:
             return False
-        while self.used() + count > self.size:
-            self.start = (self.start + units(self.items[self.first & self.mask])) & COUNT_MASK
+        while self.cells_used() + count > self.size:
+            self.start = (self.start + count_units(self.items[self.first & self.mask])) & COUNT_MASK
             self.first = (self.first + 1) & COUNT_MASK
         return True
 
@@ -160,7 +160,7 @@ class StepProgram:
         self.items[self.end & self.mask] = item
         self.end = (self.end + 1) & COUNT_MASK
 
-    def cut(self, cell, done, index):
+    def cut_off(self, cell, done, index):
         """Forget what lies ahead of `index`, which is `done` units into `cell`."""
         if done:
             item = self.items[cell & self.mask]
@@ -174,7 +174,7 @@ class StepProgram:
         """From `cell` on to the next SPEED, `speed` is what was in force: known only once the walk has come there."""
         while cell != self.end:
             if self.items[cell & self.mask] >> 4 & 15 == WAS and not self.items[cell & self.mask] & 15:
-                self.items[cell & self.mask] = mark(WAS, speed)
+                self.items[cell & self.mask] = make_mark(WAS, speed)
                 return
             cell = (cell + 1) & COUNT_MASK
         self.speed = speed

@@ -1,7 +1,7 @@
 """Walks a step program, forward or backward from any index, and turns it into words as it goes.
 
     walker = StepProgramWalker(program, lengths, tool_ticks=(0, 0))
-    walker.rewind()
+    walker.go_to_start()
     walker.begin()                      # or begin(backward=True); begin(most=1) goes one unit
     planner.walk(walker, walker.tool)
 
@@ -58,7 +58,7 @@ class StepProgramWalker:
 
     # --- while no interrupt walks it
 
-    def rewind(self):
+    def go_to_start(self):
         """Stand at the start of the program, the tool off."""
         program = self.program
         self.cell = program.first
@@ -67,11 +67,11 @@ class StepProgramWalker:
         self.tool = self._dry = False
         self._take_speed(program.speed_before)
 
-    def pause(self, ticks):
+    def pause_for(self, ticks):
         """The next step comes after `ticks`."""
         self.gap = ticks
 
-    def follow(self, other):
+    def follow_walker(self, other):
         """Go on from another walker, whose last interval may still run."""
         self.gap = max(self.gap, other.gap)
         other.gap = 0
@@ -102,9 +102,9 @@ class StepProgramWalker:
         self.index = (self.index + 1) & COUNT_MASK
         return item >> 8
 
-    def cut(self):
+    def cut_program(self):
         """Let the program end here."""
-        self.program.cut(self.cell, self._done, self.index)
+        self.program.cut_off(self.cell, self._done, self.index)
 
     def at_start(self):
         """True if there is nothing behind."""

@@ -30,7 +30,7 @@ class Tachometer(SpindleSpeed):
         self._wanted = 0  # thousandths of a turn a minute
         self._looked_ms = machine.port.machine_ms()
         self._came_ms = self._looked_ms  # when the last look found a pulse
-        self._count = self._pulses.count()
+        self._count = self._pulses.count_pulses()
         self._us = self._pulses.us
 
     def report(self, report):
@@ -55,7 +55,7 @@ class Tachometer(SpindleSpeed):
             machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)
 
     def _measure_rpm(self, now_ms):
-        count = self._pulses.count()
+        count = self._pulses.count_pulses()
         came = (count - self._count) & COUNT_MASK
         if came:
             us = self._pulses.us

@@ -1,7 +1,7 @@
 """Counts the pulses of an input in its interrupt, and when the last one came.
 
     pulses = port.make("tachometer", name)          # of an input; edges within 50 µs are noise
-    pulses.count(), pulses.us                       # modulo 2²⁹ both; in this order, so that `us` is not older
+    pulses.count_pulses(), pulses.us                # modulo 2²⁹ both; in this order, so that `us` is not older
 
 An edge takes about 20 µs of an RP2040.
 """
@@ -25,14 +25,14 @@ class PinPulses:
     def __init__(self, item, port):
         self._count = 0
         self.us = ticks_us() & COUNT_MASK
-        port.watch(item.pin, self.edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
+        port.watch(item.pin, self.on_edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
 
     @micropython.native
-    def edge(self, pin):  # ISR: no allocation
+    def on_edge(self, pin):  # ISR: no allocation
         now = ticks_us() & COUNT_MASK
         if (now - self.us) & COUNT_MASK >= _LEAST_US:
             self.us = now
             self._count = (self._count + 1) & COUNT_MASK
 
-    def count(self):
+    def count_pulses(self):
         return self._count

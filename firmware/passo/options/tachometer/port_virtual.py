@@ -8,7 +8,7 @@ class Pulses:
         self._port = port
         self.us = 0
 
-    def count(self):
+    def count_pulses(self):
         count, tick = self._port.world.pulses(self._port.now)
         self.us = tick * 2 // 25 & COUNT_MASK
         return count & COUNT_MASK

@@ -1,7 +1,7 @@
 """M6 in the way that $341 chooses, and the length of the new tool: for boards that have `tool_change`.
 
     changer = ToolChange(board)
-    pauses = changer.append(gcode, made, tool, spindle, rpm, coolant)      # to the list `made`
+    pauses = changer.append_change(gcode, made, tool, spindle, rpm, coolant)   # to the list `made`
 
 The ways are grblHAL's, the place of the sensor, for its G59.3, is the board file's:
 
@@ -46,7 +46,7 @@ class ToolChange:
         self._top = 0 if "z" in board["homing"]["high_end"] else travel
         self._bottom = self._top - travel
 
-    def append(self, gcode, made, tool, spindle, rpm, coolant):
+    def append_change(self, gcode, made, tool, spindle, rpm, coolant):
         """None: M6 is in `made`, spindle and coolant with it; True: a pause is all it is; False: nothing is. Raises Refused."""
         value = gcode.machine.settings.value
         way = value(_WAY)

@@ -12,7 +12,7 @@ from passo.options.weaving import motion as weave
 class Weaving(Program):
     """The motion of a program whose lines and arcs may be seams: then each comes as a command."""
 
-    heeds = Program.heeds | ANEW
+    event_mask = Program.event_mask | ANEW
 
     def __init__(self, board, machine, queue):
         self._steps_per_m = machine.steps_per_m
@@ -31,7 +31,7 @@ class Weaving(Program):
             return errors.LOCKED
         if machine.command is not None:
             return errors.LATER
-        if command.value is not None and weave.wrong(command.value):
+        if command.value is not None and weave.is_out_of_range(command.value):
             return errors.NUMBER_RANGE
         self._spec = command.value
         return machine.accepted(command)
@@ -43,7 +43,7 @@ class Weaving(Program):
             return errors.LOCKED
         if not self._queue.still() or machine.command is not None or machine.occupied():
             return errors.BUSY
-        if weave.wrong(command.value):
+        if weave.is_out_of_range(command.value):
             return errors.NUMBER_RANGE
         before = self._spec
         self._spec = command.value
@@ -53,11 +53,11 @@ class Weaving(Program):
         self._spec = before
         return result
 
-    def heed(self, what):
+    def on_events(self, what):
         if what & ANEW:
             self._spec = None
-        if what & Program.heeds:
-            Program.heed(self, what)
+        if what & Program.event_mask:
+            Program.on_events(self, what)
 
     # --- the motion of a program, as seams
 
@@ -78,7 +78,7 @@ class Weaving(Program):
             seam = self._make_woven(command)
         except ValueError:
             return True  # its motion will be refused for that
-        for corner in seam.corners():
+        for corner in seam.edge_points():
             if not self._inside([at + by for at, by in zip(start, corner)]):
                 return False
         return True

@@ -6,18 +6,18 @@ from passo.protocols.gcode.words import X
 
 
 def extend(protocol, board):
-    protocol.system.learn("$WEAVE=", lambda machine, text: understand(protocol.gcode.words, text))
+    protocol.system.learn_lines("$WEAVE=", lambda machine, text: weave_commands(protocol.gcode.words, text))
 
 
-def understand(words, text):
-    """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/use/weaving.md; 0: off. `words`: the parser's. Returns as System.execute()."""
+def weave_commands(words, text):
+    """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/use/weaving.md; 0: off. `words`: the parser's. Returns as System.execute_line()."""
     if text == "0":
         return [Command(commands.WEAVE, value=None)]
     parts = (text + ",0,0,0").split(",")[:6]
     spec = []
     for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
-        error = words.scan(b"X" + part.encode())
+        error = words.scan_line(b"X" + part.encode())
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER
-        spec.append(words.fixed(X, places))
+        spec.append(words.word_value(X, places))
     return [Command(commands.WEAVE, value=tuple(spec))]

@@ -47,7 +47,7 @@ _POINTS = {
 }
 
 
-def wrong(spec):
+def is_out_of_range(spec):
     """True of a spec that is out of range."""
     shape, amplitude, pitch, left, right, along = spec
     return not (
@@ -153,7 +153,7 @@ class Woven:
             at, beside = along, self._offset_nm(side)
         return nm_s * path // pitch or 1
 
-    def corners(self):
+    def edge_points(self):
         """Places in steps of all axes that the seam's edges reach: for the travel's limits."""
         whole = self._pitches * self._of_pitch
         for pitch in range(self._pitches):

@@ -135,7 +135,7 @@ class Port(ChipPort):
 
     def _make_player(self, ring, layout, board, pins):
         for item in self._halting:
-            self.watch(item.pin, Guard(item, self).edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
+            self.watch(item.pin, Guard(item, self).on_edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
         pulse_ticks, least = word_times(board)
         invert = inverted_pins(board, layout)
         if board["player"] == "timer":

@@ -1,8 +1,8 @@
 """The frames of docs/reference/languages/frames.md: numbers and bytes to a frame, and back. Board and PC use the same.
 
-    wire = delimited(frame(DATA, 0, 0, 15, b"G1X1\\n"))
-    if sound(data, begin, end):                 # a bytearray; the bytes between two delimiters
-        kind, number, ack, credit = header(data, begin)
+    wire = delimit_frames(frame(DATA, 0, 0, 15, b"G1X1\\n"))
+    if is_sound(data, begin, end):              # a bytearray; the bytes between two delimiters
+        kind, number, ack, credit = parse_header(data, begin)
         text = data[begin + HEAD : end - CHECK]
 """
 
@@ -43,12 +43,12 @@ def frame(kind, number=0, ack=0, credit=0, data=b""):
     return b"".join([bytes((len(part) + 1,)) + part for part in body.split(_DELIMITER)])
 
 
-def delimited(*frames):
+def delimit_frames(*frames):
     """Return the bytes on the wire for these frames, in one piece."""
     return _DELIMITER + _DELIMITER.join(frames) + _DELIMITER
 
 
-def sound(data, begin, end):
+def is_sound(data, begin, end):
     """True if data[begin:end], without a delimiter in it, is a whole frame. Its zeros are put where they belong."""
     at = begin
     while at < end:
@@ -60,7 +60,7 @@ def sound(data, begin, end):
     return crc32(memoryview(data)[begin + 1 : end]) == _RESIDUE
 
 
-def header(data, begin):
+def parse_header(data, begin):
     """(kind, number, ack, credit) of a frame that is sound."""
     high = data[begin + 1]
     low = data[begin + 3]

@@ -12,7 +12,7 @@ from micropython import const
 from passo.protocols import HELLO_WIRE
 from passo.protocols.frames.codec import (
     ACK, AGAIN, CHECK, CLOSED, CREDIT_BYTES, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, LONGEST, MOST, MOST_CREDIT, NEW, NUMBERS,
-    REPORT, TAKEN, URGENT, VERSION, WELCOME, delimited, frame, header, sound,
+    REPORT, TAKEN, URGENT, VERSION, WELCOME, delimit_frames, frame, parse_header, is_sound,
 )  # fmt: skip
 from passo.errors import FRAME_LATE
 from passo.protocols.frames.strays import Strays
@@ -86,7 +86,7 @@ class FramedLine:
         self._every_ms = 0
         self._reported_ms = 0
         self._question = b""
-        self._sender.clear(0)
+        self._sender.clear_messages(0)
 
     # --- the face of a serial line
 
@@ -167,7 +167,7 @@ class FramedLine:
                         at = len(text)
                 data = text[:at]
         elif strays:
-            data = strays.quiet(self._clock())
+            data = strays.after_silence(self._clock())
         elif self._held and (self._clock() - self._held_ms) & COUNT_MASK >= _HOLD_MS:
             data = self._held
             self._held = b""
@@ -183,7 +183,7 @@ class FramedLine:
         self._clear_session()
         self._state = _OPEN
         protocol = self._link.protocol
-        self._strays = Strays(getattr(protocol, "binary", False), getattr(protocol, "amid", None))
+        self._strays = Strays(getattr(protocol, "binary", False), getattr(protocol, "is_amid", None))
         self._left = rest
         self._confirmed = False
         self._begun_ms = self._clock()
@@ -217,11 +217,11 @@ class FramedLine:
 
     def _do_frame(self, begin, end):
         """Do what a frame asks for. Returns the bytes in it that are for the language, or None."""
-        if not sound(self._buffer, begin, end):
+        if not is_sound(self._buffer, begin, end):
             self._ask_again()
             return None
         self._heard = True
-        kind, number, ack, credit = header(self._buffer, begin)
+        kind, number, ack, credit = parse_header(self._buffer, begin)
         if kind == FRAME_HELLO:
             if self._state == _CLOSED:
                 self._clear_session()
@@ -229,16 +229,16 @@ class FramedLine:
             self._send_welcome()
             return None
         if self._state == _CLOSED:
-            self._serial.write(delimited(frame(CLOSED)))
+            self._serial.write(delimit_frames(frame(CLOSED)))
             return None
         self._confirmed = True
         data = self._view[begin + HEAD : end - CHECK]
-        self._sender.acknowledged(ack, credit, self._clock())
+        self._sender.take_ack(ack, credit, self._clock())
         if kind == DATA:
             return self._take_data(number, data)
         if kind == ACK or kind == AGAIN:
             if kind == AGAIN:
-                self._sender.again()
+                self._sender.send_again()
             self._send_answers()
             return None
         return self._take_urgent(kind, number, data)
@@ -285,7 +285,7 @@ class FramedLine:
                 self._reported_ms = self._clock()
         elif (number + 1) % NUMBERS != self._urgent:
             return None
-        self._serial.write(delimited(self._make_frame(TAKEN, number)))
+        self._serial.write(delimit_frames(self._make_frame(TAKEN, number)))
         if kind == LEAVE:
             self._state = _PLAIN
             self._at = self._end = 0
@@ -308,14 +308,14 @@ class FramedLine:
 
     def _send_welcome(self):
         about = bytes((VERSION, NEW if self._new else 0, MOST, self._urgent >> 8, self._urgent & 255))
-        self._serial.write(delimited(self._make_frame(WELCOME, self._sender.end(), about)))
+        self._serial.write(delimit_frames(self._make_frame(WELCOME, self._sender.end(), about)))
 
     def _ask_again(self):
         now_ms = self._clock()
         if self._state == _OPEN and (self._asked != self._next or (now_ms - self._asked_ms) & COUNT_MASK >= _AGAIN_MS):
             self._asked = self._next
             self._asked_ms = now_ms
-            self._serial.write(delimited(self._make_frame(AGAIN)))
+            self._serial.write(delimit_frames(self._make_frame(AGAIN)))
 
     def _send_answers(self):
         """Send what may be sent of the answers."""
@@ -323,16 +323,16 @@ class FramedLine:
         if self._answers:
             self._todo = True
             if self._state == _OPEN and sender.kept + len(self._answers) <= _KEPT:
-                sender.put(self._answers)
+                sender.put_message(self._answers)
             else:
                 self._state = _CLOSED
-                sender.clear(0)
+                sender.clear_messages(0)
             self._answers = b""
         now_ms = self._clock()
-        data = sender.next(now_ms)
+        data = sender.next_frame(now_ms)
         while data is not None:
-            self._serial.write(delimited(self._make_frame(DATA, sender.number, data)))
-            data = sender.next(now_ms)
+            self._serial.write(delimit_frames(self._make_frame(DATA, sender.number, data)))
+            data = sender.next_frame(now_ms)
 
     def _send_waiting(self):
         """Nothing more has come: send what waits, ask what is to be asked. Returns the question, or b""."""
@@ -346,10 +346,10 @@ class FramedLine:
             return b""
         if sender.kept or self._answers:
             now_ms = self._clock()
-            if sender.late(now_ms) or sender.kept and not sender.flying or self._answers and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
+            if sender.check_late(now_ms) or sender.kept and not sender.flying or self._answers and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
                 self._send_answers()
         if self._owes and not self._answers or self._told < _FEW and self._free_credits() > self._told:
-            self._serial.write(delimited(self._make_frame(ACK)))
+            self._serial.write(delimit_frames(self._make_frame(ACK)))
         self._todo = bool(sender.kept or self._answers or self._owes or self._told < _FEW or self._every_ms or not self._confirmed)
         if self._every_ms and not sender.kept:
             now_ms = self._clock()

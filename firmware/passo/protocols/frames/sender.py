@@ -1,12 +1,12 @@
 """One direction of a framed link: numbers bytes, cuts them into frames, and sends them again until they are acknowledged.
 
     sender = Sender(baud)
-    sender.put(b"G1X1\\n")                      # a message: what one frame should hold whole
+    sender.put_message(b"G1X1\\n")              # a message: what one frame should hold whole
     while True:
-        data = sender.next(now_ms)              # then a frame of it goes out, from byte sender.number on
+        data = sender.next_frame(now_ms)        # then a frame of it goes out, from byte sender.number on
         if data is None: break
-    sender.acknowledged(ack, credit, now_ms)
-    sender.again()                              # the other end asks; or sender.late(now_ms)
+    sender.take_ack(ack, credit, now_ms)
+    sender.send_again()                         # the other end asks; or sender.check_late(now_ms)
 
     messages   . . [m m m m m m m m m] . .      first: number of the first byte that is not acknowledged
                     ^first  ^at                 at: messages from there on that are under way
@@ -32,9 +32,9 @@ class Sender:
         self._eager = eager
         self._baud = baud
         self._piece = piece
-        self.clear(0)
+        self.clear_messages(0)
 
-    def clear(self, number):
+    def clear_messages(self, number):
         """Forget everything; the next byte has this number."""
         self.first = self.number = number
         self.messages = []
@@ -50,7 +50,7 @@ class Sender:
         self._timed_ms = 0  # since when
         self._took_ms = 0  # on average
 
-    def put(self, data):
+    def put_message(self, data):
         piece = self._piece
         for at in range(0, len(data), piece):
             self.messages.append(bytes(data[at : at + piece]))
@@ -60,7 +60,7 @@ class Sender:
         """The number behind the last byte put."""
         return (self.first + self.kept) % NUMBERS
 
-    def next(self, now_ms):
+    def next_frame(self, now_ms):
         """The bytes of the next frame to send, from `number` on; None: none now. A part of a frame waits while more than one frame is under
         way; a part below half of one, while any is.
         """
@@ -88,7 +88,7 @@ class Sender:
             self._timed_ms = now_ms
         return b"".join(messages[at:end])
 
-    def acknowledged(self, ack, credit, now_ms):
+    def take_ack(self, ack, credit, now_ms):
         """The other end has everything before byte `ack`, and room for `credit` credits from there on."""
         count = (ack - self.first) % NUMBERS
         if count > self.kept:
@@ -120,7 +120,7 @@ class Sender:
             self._good = 0
             self.size = min(MOST, 2 * self.size)
 
-    def again(self):
+    def send_again(self):
         """Send all that is under way again, in shorter frames."""
         if self.flying:
             self.flying = self._at = 0
@@ -128,7 +128,7 @@ class Sender:
             self._good = 0
             self.size = max(LEAST, self.size >> 1)
 
-    def late(self, now_ms):
+    def check_late(self, now_ms):
         """True, and everything is sent again, if the answer to what is under way should have come."""
         if not self.flying:
             return False
@@ -136,5 +136,5 @@ class Sender:
         if (now_ms - self._since_ms) & COUNT_MASK < min(limit, _LONGEST_MS):
             return False
         self._waits *= 2
-        self.again()
+        self.send_again()
         return True

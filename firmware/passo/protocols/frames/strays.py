@@ -1,8 +1,8 @@
-"""Frames that come on a plain link: the link has left frames, and a frame of before comes strays.
+"""Frames that come on a plain link: the link has left frames, and an old frame comes late.
 
     strays = Strays(binary, amid)
     text = strays.without_frames(data, now_ms)    # what is for the language
-    text = strays.quiet(now_ms)                   # the same if nothing has come
+    text = strays.after_silence(now_ms)           # the same if nothing has come
     strays.found                                  # frames dropped; the caller's to clear
 
 00 begins a frame. It is dropped up to the next 00, and so is one that is cut off: after LONGEST bytes, when the rest of the line under way
@@ -14,7 +14,7 @@ only sound frames are dropped, and bytes from a 00 on are kept back for 4 ms at 
 
 from micropython import const
 
-from passo.protocols.frames.codec import LONGEST, sound
+from passo.protocols.frames.codec import LONGEST, is_sound
 from passo.records import COUNT_MASK
 
 _CUT_MS = const(100)  # without a byte: a frame begun is cut off
@@ -52,7 +52,7 @@ class Strays:
                 self._held_ms = now_ms
                 return out
             if self._binary:
-                if begin < end <= begin + LONGEST and sound(bytearray(text), begin, end):
+                if begin < end <= begin + LONGEST and is_sound(bytearray(text), begin, end):
                     self.found += 1
                 else:  # bytes of the language
                     end = begin
@@ -70,7 +70,7 @@ class Strays:
             at = text.find(b"\0")
         return out + text
 
-    def quiet(self, now_ms):
+    def after_silence(self, now_ms):
         if not self.held or (now_ms - self._held_ms) & COUNT_MASK < (_BINARY_MS if self._binary else _CUT_MS):
             return b""
         text = self.held
@@ -88,7 +88,7 @@ class Strays:
 
     def _note_end(self, text):
         """`text` is dropped: note whether the rest of a line may come behind it."""
-        self._cut = self._asked is not None and text[-1] not in b"\r\n" and not sound(bytearray(text), 0, len(text))
+        self._cut = self._asked is not None and text[-1] not in b"\r\n" and not is_sound(bytearray(text), 0, len(text))
 
     def _is_amid(self, text):
         return self._asked is not None and self._asked(text)

@@ -6,7 +6,7 @@ from passo import commands, errors
 from passo.commands import Command, Motion
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G80, G82, G83
 from passo.protocols.gcode.reader import Reader, Refused
-from passo.protocols.gcode.words import A, H, I, L, P, Q, R, X, Z, rounded
+from passo.protocols.gcode.words import A, H, I, L, P, Q, R, X, Z, round_half_away
 from passo.records import NM_PER_M
 
 MAX_STEPS = const(0x1FFFFFFF)
@@ -46,11 +46,11 @@ class Motions(Reader):
         for axis in range(self.axes):
             if steps[axis] != target[axis]:
                 steps[axis] = target[axis]
-                self.position[axis] = rounded(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
+                self.position[axis] = round_half_away(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
 
     def _to_steps(self, target):
         """`target` in steps. An axis that it leaves out stays where it is."""
-        steps = [rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M) for axis in range(len(target))]
+        steps = [round_half_away(target[axis] * self.machine.steps_per_m[axis], NM_PER_M) for axis in range(len(target))]
         if max(steps) > MAX_STEPS or min(steps) < -MAX_STEPS:
             raise Refused(errors.JOG_TRAVEL)
         return steps + self._steps[len(steps) :]
@@ -65,7 +65,7 @@ class Motions(Reader):
                 if machine_coordinates:
                     target[axis] = value
                 elif self._absolute:
-                    target[axis] = value + self.offsets.of(self._system, axis)
+                    target[axis] = value + self.offsets.offset_of(self._system, axis)
                 else:
                     target[axis] += value
                 if self.turns & 2 and axis == 3 and (self._absolute or machine_coordinates):
@@ -111,7 +111,7 @@ class Motions(Reader):
 
     def _rotary_feed(self, target, feed):
         """The feed of a line whose F was given in G20: degrees a minute, not inches, if only the rotary axis moves."""
-        return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
+        return round_half_away(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
     def _read_motion(self, motion, axis_words, machine_coordinates):
         """Return the end of the motion; None if the line has nothing to move."""
@@ -157,7 +157,7 @@ class Motions(Reader):
         if target[3:] != start[3:]:
             raise Refused(errors.UNSUPPORTED)
         across, along = target[first] - start[first], target[second] - start[second]
-        sweep = self.words.fixed(H, 6) if swept else 0
+        sweep = self.words.word_value(H, 6) if swept else 0
         radius = None
         error = 0
         if not swept and self._take_word(R):
@@ -222,7 +222,7 @@ class Motions(Reader):
         if other and (1 << R | 1 << Z | (pecks and other > 1) << Q) & ~self._left:
             raise Refused(errors.VALUE_MISSING)
         x, y, z = self.position[:3]
-        zero = self.offsets.of(self._system, 2)
+        zero = self.offsets.offset_of(self._system, 2)
         if not CODES.get(self.motion, 0) & CYCLE:
             level = z - zero
         if self._take_word(R):
@@ -237,7 +237,7 @@ class Motions(Reader):
             if peck < _LEAST_PECK:
                 raise Refused(errors.NUMBER_RANGE)
         if motion == G82 and self._take_word(P):
-            dwell = self.words.fixed(P, 6)
+            dwell = self.words.word_value(P, 6)
             if dwell < 0:
                 raise Refused(errors.NEGATIVE)
         times = self._whole_number(L) if self._take_word(L) else 1

@@ -24,14 +24,14 @@ class Offsets:
         """Load all offsets from the memory; those that it does not have are 0."""
         self.systems = [self._recall_positions("G%d" % (54 + number)) for number in range(SYSTEMS)]
         self.homes = {28: self._recall_positions("G28"), 30: self._recall_positions("G30")}
-        self.reset()
+        self.reset_shift()
 
-    def reset(self):
+    def reset_shift(self):
         self.shift = [0] * self._axes  # G92
         self.tool = 0
         self.version += 1
 
-    def of(self, system, axis):
+    def offset_of(self, system, axis):
         """Machine position − programme position of `axis` with G54 + `system` selected."""
         offset = self.systems[system][axis] + self.shift[axis]
         return offset + self.tool if axis == TOOL_AXIS else offset
@@ -61,7 +61,7 @@ class Offsets:
         """Put a tool into the table."""
         self._memory.put("T%d" % tool, str(length))
 
-    def measured(self, position):
+    def measure_tool(self, position):
         """A tool has touched the sensor at this machine position of Z: the first is the reference of the others."""
         if self._reference is None:
             self._reference = position

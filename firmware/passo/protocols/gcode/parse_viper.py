@@ -1,6 +1,6 @@
 """The most frequent lines of G-code, from their bytes to a batch of steps: G0 or G1 with axis words, and perhaps F, S or N.
 
-    lines = parse(text, at, len(text), fields, batch, dots, most)    # how many were understood, at most `most`: rows of the batch
+    lines = parse_lines(text, at, len(text), fields, batch, dots, most)  # how many were understood, at most `most`: rows of the batch
 
 A laser is on at the power that the line's S says, and off in a G0. `S0:500:1000` is a row of dots, whose powers go into `dots`, DOTS_…
 of Power.marks: a row that finds no room there ends the batch, and waits. `S=@@OT_H`, a packed row, ends its line: two characters a dot,
@@ -22,7 +22,7 @@ from passo.records import *
 
 
 @micropython.viper
-def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
+def parse_lines(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
     """See above."""
     lines = 0
     fields[PARSE_ARC] = 0
@@ -53,7 +53,7 @@ def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots:
             break
         if row and int(add_row(fields, dots)) == 0:
             break
-        accept(fields, batch, lines * BATCH_FIELDS)
+        accept_line(fields, batch, lines * BATCH_FIELDS)
         fields[PARSE_POWER] = fields[PARSE_POWER] & DOTS_POWER
         lines += 1
         begin = after
@@ -107,7 +107,7 @@ def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int
     value = fields[PARSE_TURNS]
     row = 0
     while True:
-        level = int(thousandths(value, full))
+        level = int(power_thousandths(value, full))
         put_dot(dots, row, level)
         row += 1
         if at == count or text[at] != 58:
@@ -362,7 +362,7 @@ def set_power(fields: ptr32) -> int:
     if fields[PARSE_FULL] <= 1:
         return 1
     lit = 1 if fields[PARSE_MOTION] and fields[PARSE_TURNS] else 0
-    power = int(thousandths(fields[PARSE_TURNS], fields[PARSE_FULL])) if lit else 0
+    power = int(power_thousandths(fields[PARSE_TURNS], fields[PARSE_FULL])) if lit else 0
     if fields[PARSE_DOTS]:
         power = fields[PARSE_LAST]
         lit = 1 if power else 0
@@ -378,7 +378,7 @@ def set_power(fields: ptr32) -> int:
 
 
 @micropython.viper
-def thousandths(part: int, full: int) -> int:
+def power_thousandths(part: int, full: int) -> int:
     """part / full in thousandths, at most 1000, to the nearest, but not 0 for more than a millionth."""
     if part >= full:
         return 1000
@@ -396,7 +396,7 @@ def thousandths(part: int, full: int) -> int:
 
 
 @micropython.viper
-def accept(fields: ptr32, batch: ptr32, row: int):
+def accept_line(fields: ptr32, batch: ptr32, row: int):
     """All is right: the line's values count from here on, and its row is filled in."""
     axis = 0
     while axis < fields[PARSE_AXES]:

@@ -1,9 +1,9 @@
 """G-code as grbl 1.1 understands it: one line in, modal state and commands out.
 
     gcode = GCode("xyz", offsets, machine)
-    error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
+    error = gcode.interpret_line(b"G1 X10 F600") # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
-    gcode.opens(batch), gcode.fields         # for parse_viper.parse(): much faster, for lines that are nothing but a G0 or G1
+    gcode.open_rows(batch), gcode.fields        # for parse_viper.parse(): much faster, for lines that are nothing but a G0 or G1
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of execution is that of
 RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact for a line in millimetres, or in inches to
@@ -25,9 +25,9 @@ from passo.protocols.gcode.codes import (
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
 from passo.protocols.gcode.motion import MAX_STEPS, NO_CYCLE, Motions, new_moves
-from passo.protocols.gcode.parse_viper import accept
+from passo.protocols.gcode.parse_viper import accept_line
 from passo.protocols.gcode.reader import MAX_LINE, MAX_TOOL, NONE, Refused
-from passo.protocols.gcode.words import F, M_CODES, N, S, T, rounded
+from passo.protocols.gcode.words import F, M_CODES, N, S, T, round_half_away
 from passo.protocols.gcode.parse_records import *
 from passo.records import (
     BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_END, SETTING_PARKING_TARGET,
@@ -73,7 +73,7 @@ class GCode(Motions):
         self.cycle = NO_CYCLE
         self._steps = [None] * self.axes
 
-    def forget(self):
+    def forget_position(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
         self.leave_batch()
         self._steps = [None] * self.axes
@@ -94,13 +94,13 @@ class GCode(Motions):
             named = fields[PARSE_NAMED]
             self.position[:named] = list(fields[PARSE_POSITION : PARSE_POSITION + named])
 
-    def interpret(self, line, jog=False):
+    def interpret_line(self, line, jog=False):
         """Understand `line` (bytes). 0, or the number of the error that refuses it; `commands` is empty then.
         `jog`: the line follows `$J=`."""
         self.leave_batch()
         self.commands = []
         self.ended = False
-        error = self.words.scan(line)
+        error = self.words.scan_line(line)
         if error:
             return error
         self._take_position()
@@ -120,7 +120,7 @@ class GCode(Motions):
 
     # --- batches of plain lines
 
-    def opens(self, batch):
+    def open_rows(self, batch):
         """True if plain lines may be put into `batch`, which the controller has just opened."""
         if (
             self._unknown or self.offsets.version != self._offsets_known or self._ends != batch.target
@@ -180,7 +180,7 @@ class GCode(Motions):
         for axis in range(self.axes):
             resolution = self.machine.steps_per_m[axis]
             if axis < fields[PARSE_NAMED]:
-                offset = self.offsets.of(self.system, axis)
+                offset = self.offsets.offset_of(self.system, axis)
                 if abs(offset) > _FARTHEST_NM or resolution > FARTHEST:
                     return False
                 fields[PARSE_OFFSET + axis] = offset
@@ -213,12 +213,12 @@ class GCode(Motions):
         command.first, command.second, command.turns = 0, 1, 1
         command.clockwise = fields[PARSE_MOTION] == 2
         command.over_half = arcs.over_half(x, y, i, j, command.clockwise)
-        i = rounded((fields[PARSE_POSITION] + i) * fields[PARSE_RESOLUTION], NM_PER_M)
-        j = rounded((fields[PARSE_POSITION + 1] + j) * fields[PARSE_RESOLUTION + 1], NM_PER_M)
+        i = round_half_away((fields[PARSE_POSITION] + i) * fields[PARSE_RESOLUTION], NM_PER_M)
+        j = round_half_away((fields[PARSE_POSITION + 1] + j) * fields[PARSE_RESOLUTION + 1], NM_PER_M)
         command.centre = i - fields[PARSE_TARGET], j - fields[PARSE_TARGET + 1]
         if max(abs(i), abs(j)) > MAX_STEPS or not batch.arc(batch, command, fields[PARSE_POWER]):
             return False
-        accept(fields, batch.rows, 0)
+        accept_line(fields, batch.rows, 0)
         return True
 
     def _read_line(self):
@@ -235,7 +235,7 @@ class GCode(Motions):
         moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._gives_sweep(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
-        rpm = self.words.fixed(S, 3) if self._take_word(S) and not self.words.packed else self.rpm
+        rpm = self.words.word_value(S, 3) if self._take_word(S) and not self.words.packed else self.rpm
         tool = self._read_count(T, self.tool, MAX_TOOL, errors.TOOL_NUMBER)
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
@@ -315,7 +315,7 @@ class GCode(Motions):
         line = self._cutting or moves and motion == 0
         change = self._found[TOOL_CHANGE] != NONE
         if change and self.changer:
-            change = self.changer.append(self, before, tool, spindle, rpm, coolant)
+            change = self.changer.append_change(self, before, tool, spindle, rpm, coolant)
         if change is not None and turned and not (self.laser and line and self.commands and spindle == self.spindle):
             before.append(self._spindle_command(spindle, rpm, motion))
         if change:
@@ -341,7 +341,7 @@ class GCode(Motions):
         self._inches = self.inches if found[UNITS] == NONE else found[UNITS] == 2000
         self._absolute = self.absolute if found[DISTANCE] == NONE else found[DISTANCE] == 9000
         self._system = self.system
-        feed = rounded(self._length_of(F), 60) if self._take_word(F) else 0
+        feed = round_half_away(self._length_of(F), 60) if self._take_word(F) else 0
         if not feed:
             raise Refused(errors.NO_FEED)
         self._set_shared(0, feed, 0, number, self.spindle, self.rpm)
@@ -361,7 +361,7 @@ class GCode(Motions):
         self._set_shared(0, feed, 0, self.number, self.spindle, self.rpm)
         target = self.position[:]
         for axis in lengths:
-            before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
+            before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.offset_of(self.system, axis)
             target[axis] = before + lengths[axis]
         try:
             command = self._fill_motion(self._moves[0], target, feed)

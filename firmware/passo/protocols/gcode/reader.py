@@ -5,7 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
-from passo.protocols.gcode.words import A, F, H, L, M_CODES, P, Q, R, X, Y, Z, Words, rounded
+from passo.protocols.gcode.words import A, F, H, L, M_CODES, P, Q, R, X, Y, Z, Words, round_half_away
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
@@ -64,7 +64,7 @@ class Reader:
         # Z0 of a machine of two axes: Z stands there.
         self._flat = words.have & ~self._axis_mask & 7 << X
         for letter in (Y, Z):
-            if self._flat >> letter & 1 and words.fixed(letter, 6):
+            if self._flat >> letter & 1 and words.word_value(letter, 6):
                 raise Refused(errors.UNSUPPORTED)
         self._left = words.have & ~self._flat
 
@@ -78,14 +78,14 @@ class Reader:
     def _length_of(self, letter):
         """Nanometres, of inches exact to five decimals; of a rotary axis millionths of a degree."""
         if self._inches and not (letter == A and self.turns):
-            return self.words.fixed(letter, 5, 254)
-        return self.words.fixed(letter, 6)
+            return self.words.word_value(letter, 5, 254)
+        return self.words.word_value(letter, 6)
 
     def _read_count(self, letter, default, most, error):
         """The number behind `letter`, which counts something; `default` without it. Above `most` it is refused with `error`."""
         if not self._take_word(letter):
             return default
-        number = self.words.fixed(letter, 0)
+        number = self.words.word_value(letter, 0)
         if number > most:
             raise Refused(error)
         return number
@@ -98,9 +98,9 @@ class Reader:
         self._inch_feed = self._inches if given else self.inch_feed
         feed = per_min = 0
         if not per_minute:
-            per_min = self.words.fixed(F, 3) if given else 0
+            per_min = self.words.word_value(F, 3) if given else 0
         else:
-            feed = rounded(self._length_of(F), 60) if given else self.feed
+            feed = round_half_away(self._length_of(F), 60) if given else self.feed
         if wants and not (feed or per_min):
             raise Refused(errors.NO_FEED)
         return feed, per_min
@@ -113,11 +113,11 @@ class Reader:
     def _read_dwell(self):
         if not self._take_word(P):
             raise Refused(errors.VALUE_MISSING)
-        return self.words.fixed(P, 6)
+        return self.words.word_value(P, 6)
 
     def _whole_number(self, letter):
-        number = self.words.fixed(letter, 0)
-        if self.words.fixed(letter, 3) != number * 1000:
+        number = self.words.word_value(letter, 0)
+        if self.words.word_value(letter, 3) != number * 1000:
             raise Refused(errors.NOT_INTEGER)
         return number
 
@@ -129,7 +129,7 @@ class Reader:
         command = Command(commands.CODE + (code - M_CODES) // 100, value=self._whole_number(letter) if letter else 0)
         if code == _M66:
             command.power = self._whole_number(L) if self._take_word(L) else 0
-            command.feed = self.words.fixed(Q, 3) if self._take_word(Q) else 0
+            command.feed = self.words.word_value(Q, 3) if self._take_word(Q) else 0
         return command
 
     def _take_axes(self, old, system=None):
@@ -139,7 +139,7 @@ class Reader:
             letter = (X + axis) % 26
             if self._take_word(letter):
                 value = self._length_of(letter)
-                changed[axis] = value if system is None else self.position[axis] - self.offsets.of(system, axis) + old[axis] - value
+                changed[axis] = value if system is None else self.position[axis] - self.offsets.offset_of(system, axis) + old[axis] - value
         return changed
 
     def _read_length(self, code, tool):
@@ -178,15 +178,15 @@ class Reader:
             return offsets.set_shift, self._take_axes(offsets.shift, self._system)
         if not self._take_word(P) or not self._take_word(L):
             raise Refused(errors.VALUE_MISSING)
-        number = self.words.fixed(P, 0)
-        if self.words.fixed(L, 0) == 1:
+        number = self.words.word_value(P, 0)
+        if self.words.word_value(L, 0) == 1:
             if not 0 < number <= MAX_TOOL:
                 raise Refused(errors.TOOL_NUMBER)
             return offsets.set_length, number, self._only_z()
         if number > 6:
             raise Refused(errors.NO_SUCH_SYSTEM)
         system = number - 1 if number else self._system
-        how = self.words.fixed(L, 0)
+        how = self.words.word_value(L, 0)
         if how not in (2, 20) or self._left >> R & 1:
             raise Refused(errors.UNSUPPORTED)
         return offsets.set_system, system, self._take_axes(offsets.systems[system], system if how == 20 else None)

@@ -1,9 +1,9 @@
 """Cuts a line of G-code into words, bytes to integers, in one pass and without allocating.
 
     words = Words()
-    error = words.scan(b"G1 X-1.25 (left) F300")   # 0
+    error = words.scan_line(b"G1 X-1.25 (left) F300") # 0
     words.codes[0]                                  # 100: G1, in hundredths; M codes from M_CODES on
-    words.fixed(X, 6)                               # -1250000: the value in millionths
+    words.word_value(X, 6)                         # -1250000: the value in millionths
 
 `S0:500` gives S more than one power: a row of dots. `S=@@OT_H` is a packed row, which ends the line: two characters a dot, `@` (0) to `_` (31), 32 · the first +
 the second, in thousandths of full power. Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A byte 00 is an
@@ -70,7 +70,7 @@ class Words:
         self._mantissa = array("i", [0] * 27)
         self._decimals = bytearray(27)
 
-    def scan(self, line):
+    def scan_line(self, line):
         """Read a line. 0, or the number of the first error; then the words mean nothing."""
         self.have = self.count = 0
         self.row, self.packed = None, False
@@ -110,7 +110,7 @@ class Words:
                     return errors.NUMBER
                 sign = 44 - byte
             elif byte == 61 and letter == S and not (digits or point or sign or self.have >> S & 1):
-                return self._unpack_row(bare(line).partition(b"=")[2])
+                return self._unpack_row(bare_line(line).partition(b"=")[2])
             else:
                 if letter >= 0:
                     error = self._keep_word(letter, -value if sign < 0 else value, digits, decimals)
@@ -118,7 +118,7 @@ class Words:
                         return error
                 if byte == 58 and (letter == S or letter == _DOT):
                     if letter == S:
-                        self.row = [self.fixed(S, 3)]
+                        self.row = [self.word_value(S, 3)]
                     letter = _DOT
                 else:
                     letter = (byte & 0xDF) - 65
@@ -145,7 +145,7 @@ class Words:
             return errors.NUMBER
         if letter == _DOT:
             self._mantissa[_DOT], self._decimals[_DOT] = value, decimals
-            self.row.append(self.fixed(_DOT, 3))
+            self.row.append(self.word_value(_DOT, 3))
             return errors.NEGATIVE if value < 0 else 0
         bit = 1 << letter
         if letter == G or letter == M:
@@ -171,14 +171,14 @@ class Words:
         self.count += 1
         return 0
 
-    def fixed(self, letter, places, by=1):
+    def word_value(self, letter, places, by=1):
         """`by` times the value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
         places -= self._decimals[letter]
         value = self._mantissa[letter] * by
-        return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
+        return value * _POWERS[places] if places >= 0 else round_half_away(value, _POWERS[-places])
 
 
-def bare(line, unfinished=False):
+def bare_line(line, unfinished=False):
     """The characters of a line that count: without blanks and comments, but with each 00, and 7F, which stands for a byte that is no ASCII.
     If it is `unfinished`, marks of real-time bytes stay, and the beginning of a comment that has not ended as its last character."""
     kept = bytearray()
@@ -200,14 +200,14 @@ def bare(line, unfinished=False):
     return kept
 
 
-def longest(line):
+def longest_line(line):
     """Characters that a line may have, whose blanks and comments are gone."""
     if b"=" in line and line[:1] != b"$":
         return PACKED_LONGEST
     return ROW_LONGEST if b":" in line else LONGEST
 
 
-def rounded(value, by):
+def round_half_away(value, by):
     """value / by, `by` > 0, rounded to the nearest, halves away from zero."""
     if value < 0:
         return -((by // 2 - value) // by)

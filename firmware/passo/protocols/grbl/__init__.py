@@ -1,7 +1,7 @@
 """G-code as grbl takes it on a link; its links share their work offsets."""
 
 from passo.batch import Lines
-from passo.protocols import extended
+from passo.protocols import extend_language
 from passo.protocols.gcode.offsets import Offsets
 from passo.protocols.grbl.protocol import Grbl
 
@@ -30,4 +30,4 @@ def create(link, number, board, controller, shared, most):
     batch = Lines(number, program.rows, most, program.slow_tool(), program.dots)
     made = Grbl(axes, shared["offsets"], machine, batch, (most + 7) >> 3)  # one that goes as a command costs as much as eight
     made.gcode.turns = controller.queue.turns
-    return extended(made, board, "grbl")
+    return extend_language(made, board, "grbl")

@@ -5,7 +5,7 @@ from micropython import const
 _GOOD = const(1)  # steps of range
 
 
-def told(found):
+def homing_lines(found):
     """A line a sensor: axis (2: a gantry's second side), runs, range and σ in steps, and what to change."""
     lines = []
     for axis, side, runs, wide, sigma, drift in found:

@@ -1,9 +1,9 @@
 """The lines that a sender has under way: bytes in, and out the oldest line when its turn has come; and the bytes that are in no line.
 
-    lines.take(b"G1X1\\nG?1")        # False if there are real-time bytes among them, but for `?`:
+    lines.take_bytes(b"G1X1\\nG?1")  # False if there are real-time bytes among them, but for `?`:
     lines.fields[LINES_ASKED]       # 1; it is the caller's to clear
-    while lines.waiting():
-        line = lines.next()         # bytes; None for one that was too long or found no room
+    while lines.has_lines():
+        line = lines.next_line()    # bytes; None for one that was too long or found no room
     real_time(0x91).kind            # OVERRIDE: the feed, 10 % more; None for a byte that has no such meaning
 
 A line that is to be understood where it lies is text[fields[LINES_AT] : …] up to its line feed; then LINES_AT goes on to the next
@@ -25,12 +25,12 @@ from passo import commands
 from passo.commands import Command
 from passo.memory import buffer
 from passo.protocols.gcode.parse_records import *
-from passo.protocols.gcode.words import LONGEST, bare
+from passo.protocols.gcode.words import LONGEST, bare_line
 from passo.records import LINES_BYTES
 
 RX_BYTES = const(512)  # that a sender may have under way
 ODD = const(0x7F)  # stands in a line for a byte from 0x80 on that is no real-time byte
-REAL_TIME = const(-1)  # of keep(): there are real-time bytes but `?`; nothing is kept
+REAL_TIME = const(-1)  # of buffer_bytes(): there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it
 LONG = const(-3)  # it is kept; the line that has not ended yet has grown long
 ARC = const(-5)  # and this: the oldest line is an arc, which GCode.take_arc() may take; LINES_TAKEN lines were before it
@@ -48,7 +48,7 @@ _AMOUNTS = (100, 10, -10, 1, -1, 100, 50, 25)
 
 
 @micropython.viper
-def keep(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
+def buffer_bytes(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
     """Put `count` bytes behind the kept ones, but for `?`. Returns 0, REAL_TIME, SLOWLY or LONG."""
     size = lines[LINES_SIZE]
     if lines[LINES_END] + count > size and lines[LINES_AT]:
@@ -137,22 +137,22 @@ def what_acted(line, machine):
 
 def plain_text(line):
     """Return a `$` line as text, capitals, without blanks and comments; bytes beyond ASCII are left out."""
-    return bytes(bare(line)).decode().upper()
+    return bytes(bare_line(line)).decode().upper()
 
 
 class Lines:
     def __init__(self):
-        self.text = b""  # until make(), or the first byte: many a link never says anything
+        self.text = b""  # until make_buffer(), or the first byte: many a link never says anything
         self.fields = array("i", [0] * LINES_FIELDS)
         self.fields[LINES_SIZE] = LINES_BYTES
-        self.clear()
+        self.clear_lines()
 
-    def make(self):
+    def make_buffer(self):
         """Make the buffer. Raises MemoryError."""
         if not self.text:
             self.text = buffer(self.fields[LINES_SIZE])
 
-    def clear(self):
+    def clear_lines(self):
         fields = self.fields
         fields[LINES_AT] = fields[LINES_WHOLE] = fields[LINES_END]  # the bytes stay, for a black box
         for field in range(LINES_ASKED, LINES_SIZE):
@@ -161,16 +161,16 @@ class Lines:
         self._spoilt = False  # the one that has not ended yet is too long, or finds none
         self._after_return = False
 
-    def waiting(self):
+    def has_lines(self):
         fields = self.fields
         return fields[LINES_AT] < fields[LINES_WHOLE] or self.lost
 
-    def count(self):
+    def count_lines(self):
         """Lines that are kept."""
         fields = self.fields
         return bytes(self.text[fields[LINES_AT] : fields[LINES_WHOLE]]).count(b"\n")
 
-    def begun(self):
+    def is_amid_line(self):
         """True if a line has begun and not ended."""
         return self._spoilt or self.fields[LINES_END] > self.fields[LINES_WHOLE]
 
@@ -187,31 +187,31 @@ class Lines:
         if end > fields[LINES_WHOLE] and self.text[end - 1] == ODD:
             fields[LINES_END] = end - 1
 
-    def free(self):
+    def free_bytes(self):
         """Bytes that can be kept."""
         return self.fields[LINES_SIZE] - self.fields[LINES_END] + self.fields[LINES_AT]
 
-    def take(self, data):
+    def take_bytes(self, data):
         """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
         if not data:
             return True
         if not self.text:
-            self.make()
-        kept = keep(data, len(data), self.text, self.fields)
+            self.make_buffer()
+        kept = buffer_bytes(data, len(data), self.text, self.fields)
         if kept == REAL_TIME:
             return False
         if kept:
-            self.kept(kept, data)
+            self.finish_buffering(kept, data)
         return True
 
-    def kept(self, kept, data):
-        """See to what keep() has said of `data`, other than REAL_TIME."""
+    def finish_buffering(self, kept, data):
+        """Finish buffering `data`; `kept`: the return value of buffer_bytes(), SLOWLY or LONG."""
         if kept == SLOWLY:
             self._take_each(data)
         self._check_length()
 
     def _note_slow(self):
-        """Say whether keep() may keep what comes next."""
+        """Set LINES_SLOWLY: whether the next bytes need _take_each()."""
         self.fields[LINES_SLOWLY] = 1 if self._spoilt or self.lost or self._after_return else 0
 
     def _take_each(self, data):
@@ -257,7 +257,7 @@ class Lines:
         """Of the line that has not ended yet, and `piece` behind it, keep only what counts. An open comment stays open."""
         fields = self.fields
         whole = fields[LINES_WHOLE]
-        kept = bare(bytes(self.text[whole : fields[LINES_END]]) + piece, True)
+        kept = bare_line(bytes(self.text[whole : fields[LINES_END]]) + piece, True)
         end = whole + len(kept)
         if len(kept) > LONGEST + 1 or end > fields[LINES_SIZE] - len(_TOO_LONG):
             self._spoil_line()
@@ -280,7 +280,7 @@ class Lines:
         self.text[fields[LINES_END] : end] = line
         fields[LINES_END] = fields[LINES_WHOLE] = end
 
-    def next(self):
+    def next_line(self):
         """The oldest line, which leaves the queue; None for one that was too long, or found no room; False if there is none."""
         fields = self.fields
         at = fields[LINES_AT]

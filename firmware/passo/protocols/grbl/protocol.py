@@ -4,7 +4,7 @@
     for command in grbl.feed(serial.read(), now_ms):    # a generator: it goes on where reply() has left it
         ... event ...
         serial.write(grbl.reply(event))                 # before the next command is asked for
-    serial.write(grbl.push(event))                      # what the machine says unasked
+    serial.write(grbl.push_bytes(event))             # what the machine says unasked
 
 Real-time bytes are taken out as they come and never wait. Of everything else one command is under way at a time: the
 next line is not looked at before the one before it is answered, so each is understood in the state its forerunner left.
@@ -12,7 +12,7 @@ next line is not looked at before the one before it is answered, so each is unde
     bytes ─► _peel ─► Lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
                 └────► real-time commands ───────────────────────▲
 
-Lines that are nothing but a G0 or G1, or an arc about I and J, go several at a time, in a batch, while nothing is unusual: take(), before feed() has the
+Lines that are nothing but a G0 or G1, or an arc about I and J, go several at a time, in a batch, while nothing is unusual: take_batch(), before feed() has the
 rest. They are answered when they are queued.
 
 A sender may have 512 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
@@ -30,10 +30,10 @@ from passo.protocols import HELLO_WIRE
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
-from passo.protocols.gcode.words import LONGEST, bare, longest, rounded
-from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, ODD, Lines, keep, mark_of, plain_text, real_time, what_acted
+from passo.protocols.gcode.words import LONGEST, bare_line, longest_line, round_half_away
+from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, ODD, Lines, buffer_bytes, mark_of, plain_text, real_time, what_acted
 from passo.protocols.grbl.report import Status
-from passo.protocols.grbl.system import System, answer
+from passo.protocols.grbl.system import System, text_answer
 from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, SETTING_PARKING_END, TRACE_TAKEN
 
 gc.collect()
@@ -65,12 +65,12 @@ class Grbl:
         self.system = System(self.gcode, settings, machine, batch)
         self._status = Status(self.gcode, settings, machine)
         self._lines = lines = Lines()
-        self.prepare, self.drop_begun, self.space = lines.make, lines.drop_begun, lines.free
+        self.prepare, self.drop_begun, self.space = lines.make_buffer, lines.drop_begun, lines.free_bytes
         self._taker = self._arrays = None  # the batch's, and take_lines()' arguments
         asked = Command(commands.STATUS)  # the command of `?`, used again and again
         asked.accepted = Event(ACCEPTED, asked)
         self._asked = (asked,)
-        self._real_time = False  # take() has found real-time bytes in the data that feed() gets next
+        self._real_time = False  # take_batch() has found real-time bytes in the data that feed() gets next
         self._marked = False  # lines that are kept may have marks of real-time bytes
         self._last = 0  # the last byte of the last data with real-time bytes
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
@@ -80,14 +80,14 @@ class Grbl:
         self._take_settings()
         self._forget_lines()
 
-    def learn(self, start, kind, understand, told, asked=False):
-        """Take `$` lines of an option, as System.learn(), whose commands are of this kind; told(value) says what comes of one."""
-        self._told[kind] = told
+    def learn_lines(self, start, kind, understand, answer_text, asked=False):
+        """Take an option's `$` lines, as System.learn_lines() does. Their commands are of `kind`; answer_text(event.value) is the answer before `ok`."""
+        self._told[kind] = answer_text
         self.system.marks = start[1] + self.system.marks
-        self.system.learn(start, understand, asked)
+        self.system.learn_lines(start, understand, asked)
 
     def _forget_lines(self):
-        self._lines.clear()
+        self._lines.clear_lines()
         self._start_lines = []  # texts, whose turn is before that of the lines
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
@@ -103,7 +103,7 @@ class Grbl:
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
         if settings.places(SETTING_PARKING_END) is not None:
             self.gcode.retracts = True
-        self.gcode.forget()
+        self.gcode.forget_position()
 
     # --- bytes to batches
 
@@ -119,7 +119,7 @@ class Grbl:
         self.gcode.reset()
 
     @micropython.native
-    def take(self, data, now_ms):
+    def take_batch(self, data, now_ms):
         """Put `data` into the line buffer. Then queue lines from there, until one is more than a G0 or G1, or the machine takes none.
         Returns an `ok` for each; b"" if there was none; False if a `?` has to be answered first: call feed(b"") then. Returns None if
         `data` has other real-time bytes: it is not kept, call feed(data) then."""
@@ -128,14 +128,14 @@ class Grbl:
                 lines = self._lines
                 fields = lines.fields
                 if not lines.text:
-                    lines.make()
-                kept = keep(data, len(data), lines.text, fields)
+                    lines.make_buffer()
+                kept = buffer_bytes(data, len(data), lines.text, fields)
                 if kept == REAL_TIME:
                     self._real_time = True
                     fields[LINES_WAITS] = 0  # feed() carries out a hold or reset even if the machine has no room for lines
                     return None
                 if kept:
-                    lines.kept(kept, data)
+                    lines.finish_buffering(kept, data)
                 if fields[LINES_ASKED]:
                     return False  # the answer comes first
                 if fields[LINES_AT] == fields[LINES_WHOLE]:
@@ -163,11 +163,11 @@ class Grbl:
         batch = self.batch
         if not batch.open(batch):
             return False
-        if not self.gcode.opens(batch):
+        if not self.gcode.open_rows(batch):
             batch.close(batch)
             return False
         if self._taker is not batch.taker:
-            lines.make()
+            lines.make_buffer()
             self._taker = batch.taker
             self._arrays = (lines.text, fields, self.gcode.fields, batch.rows, batch.dots, batch.most) + batch.taker
         return True
@@ -181,8 +181,8 @@ class Grbl:
         if not taken:
             return False if lines.fields[LINES_ASKED] else b""
         if taken == SLOWLY or taken == LONG:
-            lines.kept(taken, data)
-            return self.take(b"", 0)
+            lines.finish_buffering(taken, data)
+            return self.take_batch(b"", 0)
         if taken == ARC:
             taken = lines.fields[LINES_TAKEN]
             if self.gcode.take_arc(self.batch):
@@ -198,9 +198,9 @@ class Grbl:
 
     # --- bytes to commands
 
-    def heed(self, data):
-        """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take() and feed()."""
-        if not self._lines.take(data):
+    def buffer_input(self, data):
+        """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take_batch() and feed()."""
+        if not self._lines.take_bytes(data):
             return self._take_real_time(data)
         asked = self._lines.fields[LINES_ASKED]
         self._lines.fields[LINES_ASKED] = 0
@@ -209,7 +209,7 @@ class Grbl:
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
         if data:
-            if self._real_time or not self._lines.take(data):
+            if self._real_time or not self._lines.take_bytes(data):
                 self._real_time = False
                 return self._take_real_time(data)  # the lines come with the next cycle, in a batch or not
         else:
@@ -233,10 +233,10 @@ class Grbl:
             return False
         return fields[LINES_AT] < fields[LINES_WHOLE] or self._rest or self._start_lines or lines.lost
 
-    def amid(self, text):
+    def is_amid(self, text):
         """True if, behind `text`, a line has begun and not ended."""
         tail = text.replace(b"\r", b"\n").split(b"\n")
-        return bool(tail[-1].strip(b"?!~\x18")) or len(tail) == 1 and self._lines.begun()
+        return bool(tail[-1].strip(b"?!~\x18")) or len(tail) == 1 and self._lines.is_amid_line()
 
     def _next_commands(self):
         if self._lines.fields[LINES_ASKED]:
@@ -247,7 +247,7 @@ class Grbl:
             most -= 1
             if not self._rest:
                 # A start-up line as text, or the oldest line, None for one that was too long; it leaves the queue.
-                line = self._start_lines.pop(0) if self._start_lines else self._lines.next()
+                line = self._start_lines.pop(0) if self._start_lines else self._lines.next_line()
                 if line is False:
                     return
                 self._rest = self._line_commands(line)
@@ -282,13 +282,13 @@ class Grbl:
                 self._stale = 0
                 yield command
             else:
-                if byte > 0x7F and (plain[-1] not in (10, 13) if plain else self._lines.begun()):
+                if byte > 0x7F and (plain[-1] not in (10, 13) if plain else self._lines.is_amid_line()):
                     plain.append(mark_of(command))
                     self._marked = True
                 yield command
         self._last = before
         if plain:
-            self._lines.take(plain)
+            self._lines.take_bytes(plain)
 
     # --- lines to commands
 
@@ -296,7 +296,7 @@ class Grbl:
         """The commands of a line, one at least."""
         if self._stale and not isinstance(line, str):
             self._stale -= 1
-            if line is None or bare(line):
+            if line is None or bare_line(line):
                 return [Command(commands.BAD, error=self._why)]
         self.gcode.leave_batch()
         if not self._machine.checking:
@@ -304,7 +304,7 @@ class Grbl:
         self._start_line = None
         if self._version != self._settings.version:
             self._take_settings()
-        if line is None or len(line) > LONGEST and len(bare(line)) > longest(bare(line)):
+        if line is None or len(line) > LONGEST and len(bare_line(line)) > longest_line(bare_line(line)):
             return [Command(commands.BAD, error=errors.LINE_TOO_LONG)]
         if isinstance(line, str):
             self._start_line = line
@@ -315,21 +315,21 @@ class Grbl:
                 return [Command(commands.BAD, error=errors.LETTER)]
         acted = []
         if self._marked or b"\x7f" in line:  # ODD
-            self._marked = bool(self._lines.waiting() or self._lines.begun())
+            self._marked = bool(self._lines.has_lines() or self._lines.is_amid_line())
             acted = what_acted(line, self._machine)
-            acted = answer(grbl_report.message(grbl_report.LETTERS % acted)) if acted else []
-            if b"\x7f" in bare(line):
+            acted = text_answer(grbl_report.message_line(grbl_report.LETTERS % acted)) if acted else []
+            if b"\x7f" in bare_line(line):
                 return acted + [Command(commands.BAD, error=errors.LETTER)]
-        if b"$" in line and bare(line)[:1] == b"$":
-            result = self.system.execute(line.decode() if line[:3] == self.raw else plain_text(line))
+        if b"$" in line and bare_line(line)[:1] == b"$":
+            result = self.system.execute_line(line.decode() if line[:3] == self.raw else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
-            result = answer("")
+            result = text_answer("")
         elif self._machine.commander != self._number:
-            result = errors.COMMANDED_ELSEWHERE if bare(line) else answer("")
+            result = errors.COMMANDED_ELSEWHERE if bare_line(line) else text_answer("")
         elif self._machine.state in ("alarm", "jog", "sleep"):
-            result = errors.LOCKED if bare(line) else answer("")
+            result = errors.LOCKED if bare_line(line) else text_answer("")
         else:
-            result = self.gcode.interpret(line) or self.gcode.commands or answer("")
+            result = self.gcode.interpret_line(line) or self.gcode.commands or text_answer("")
         return acted + ([Command(commands.BAD, error=result)] if isinstance(result, int) else result)
 
     # --- events to bytes
@@ -340,7 +340,7 @@ class Grbl:
         if command.kind == commands.STATUS:
             fields = self._lines.fields
             room = RX_BYTES - fields[LINES_END] + fields[LINES_AT]
-            return self._status.text(event.value, room if room > 0 else 0)
+            return self._status.report_bytes(event.value, room if room > 0 else 0)
         if command is not self._under_way or command.kind in (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE):
             self._status.overrides = 0  # a report shows it at once
         if command is not self._under_way:
@@ -349,7 +349,7 @@ class Grbl:
         text = getattr(command, "text", "")
         if event.kind == REFUSED and not self._is_failed_homing(event):
             self._rest = []
-            self.gcode.forget()
+            self.gcode.forget_position()
             if command.kind == commands.SPINDLE:
                 self.gcode.spindle = 5
             return (text + self._answer_line("error:%d" % event.error)).encode()
@@ -357,9 +357,9 @@ class Grbl:
             text += self._note_probe(event.value, command.measures)
         if command.kind == commands.HOME:
             if event.value:
-                from passo.protocols.grbl.homing import told  # loaded at the start, by check()
+                from passo.protocols.grbl.homing import homing_lines  # loaded at the start, by check()
 
-                text += told(event.value)
+                text += homing_lines(event.value)
             self._start_lines = [] if self._machine.alarm else self.system.start_lines()
         if command.kind in self._told and event.value:
             text += self._told[command.kind](event.value)
@@ -371,7 +371,7 @@ class Grbl:
                 self._rest.insert(0, made)
         if not self._rest or self._rest[0].kind == commands.RESET:
             if self.gcode.ended and command.kind == commands.SYNC:
-                text += grbl_report.message(grbl_report.PROGRAMME_END)
+                text += grbl_report.message_line(grbl_report.PROGRAMME_END)
             text += self._answer_line("ok")
         return text.encode()
 
@@ -386,7 +386,7 @@ class Grbl:
             text = ">%s:%s" % (self._start_line, text)
         return text + "\r\n"
 
-    def push(self, event):
+    def push_bytes(self, event):
         """Return the bytes that the machine sends unasked."""
         if event.kind in (ALARM, DROPPED) and event.error != errors.ALARM_HOMING_REQUIRED:
             self.gcode.leave_batch()
@@ -395,9 +395,9 @@ class Grbl:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
         if event.kind == NOTICE:
             if event.error in self.notices:
-                return grbl_report.message(self.notices[event.error](event.value)).encode()
+                return grbl_report.message_line(self.notices[event.error](event.value)).encode()
             text = grbl_report.NOTICES[event.error]
-            return grbl_report.message(text if event.value is None else text % event.value).encode()
+            return grbl_report.message_line(text if event.value is None else text % event.value).encode()
         if event.kind != RESTARTED:
             return b""
         text = self._begin_anew(event.error)
@@ -411,15 +411,15 @@ class Grbl:
         """
         lines = self._lines
         self._why = event.error
-        self._stale = 1 if lines.begun() else 0
-        if event.kind == RESTARTED:  # push() is to follow
+        self._stale = 1 if lines.is_amid_line() else 0
+        if event.kind == RESTARTED:  # push_bytes() is to follow
             self._why = errors.STOPPED
         elif event.kind == DROPPED and event.error == errors.STOPPED:
             return self._begin_anew(self._machine.alarm).encode()
         else:
             if event.kind == ALARM:
                 self._why = errors.LOCKED
-            self._stale += lines.count()
+            self._stale += lines.count_lines()
             self._start_lines = []
             if self._rest and self._rest[0].kind != commands.HELLO:
                 self._rest = [Command(commands.BAD, error=self._why)]
@@ -428,18 +428,18 @@ class Grbl:
     def _begin_anew(self, alarm):
         self._forget_lines()
         self.gcode.reset()
-        self.gcode.offsets.reset()
-        self._status.reset()
+        self.gcode.offsets.reset_shift()
+        self._status.reset_cycle()
         text = ("error:%d\r\n" % errors.MEMORY if self._settings.damaged else "") + grbl_report.BANNER
         if alarm:
-            text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
+            text += grbl_report.message_line(grbl_report.NOTICES[errors.NOTICE_LOCKED])
         return text
 
     def _note_probe(self, value, measures):
         position, touched = value
         system = self.system
-        system.probed = [rounded(steps * NM_PER_M, per_m) for steps, per_m in zip(position, self._machine.steps_per_m)]
+        system.probed = [round_half_away(steps * NM_PER_M, per_m) for steps, per_m in zip(position, self._machine.steps_per_m)]
         system.touched = touched
         if measures and touched:
-            self.gcode.offsets.measured(system.probed[2])
-        return grbl_report.probe(system.probed, touched, system.inches())
+            self.gcode.offsets.measure_tool(system.probed[2])
+        return grbl_report.probe_line(system.probed, touched, system.in_inches())

@@ -6,8 +6,8 @@ from micropython import const
 
 from passo.commands import STATUS_WORDS
 from passo.protocols.gcode.reader import MAX_TOOL
-from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, tell, tell_report
+from passo.protocols.gcode.words import round_half_away
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, write_form, write_report
 from passo.protocols.grbl.report_records import *
 from passo.records import SEEN_LINE, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT
 
@@ -41,11 +41,11 @@ _NM_PER_TENTH_MIL = const(2540)
 _END = const(3)  # bytes of a report's end
 
 
-def message(text):
+def message_line(text):
     return "[MSG:%s]\r\n" % text
 
 
-def log(log):
+def log_lines(log):
     """The lines of $LOG, the oldest first: milliseconds, number, which link or input; then how many times each number
     has been since the start; of an interlock a line an input: name, active, how often it stopped the machine, glitches, when it
     last became active, milliseconds it was active (-1: it still is)."""
@@ -57,7 +57,7 @@ def log(log):
     return lines
 
 
-def decimal(value, places):
+def decimal_text(value, places):
     """`value` in units of 10⁻ᵖˡᵃᶜᵉˢ as text."""
     unit = 10**places
     sign = "-" if value < 0 else ""
@@ -65,49 +65,49 @@ def decimal(value, places):
     return "%s%d.%0*d" % (sign, value // unit, places, value % unit) if places else sign + str(value)
 
 
-def length(nm, inches):
+def length_text(nm, inches):
     """Nanometres as text: millimetres with three decimals, or inches with four."""
-    return decimal(rounded(nm, _NM_PER_TENTH_MIL), 4) if inches else decimal(rounded(nm, 1000), 3)
+    return decimal_text(round_half_away(nm, _NM_PER_TENTH_MIL), 4) if inches else decimal_text(round_half_away(nm, 1000), 3)
 
 
-def position(lengths, inches):
-    return ",".join([length(nm, inches) for nm in lengths])
+def position_text(lengths, inches):
+    return ",".join([length_text(nm, inches) for nm in lengths])
 
 
-def rate(nm_s, inches):
+def rate_text(nm_s, inches):
     """A speed as text: whole mm/min, or in/min with one decimal."""
-    return decimal(rounded(3 * nm_s, 127_000), 1) if inches else str(rounded(3 * nm_s, 50_000))
+    return decimal_text(round_half_away(3 * nm_s, 127_000), 1) if inches else str(round_half_away(3 * nm_s, 50_000))
 
 
-def modes(gcode, inches):
+def modes_line(gcode, inches):
     """The [GC:…] line of $G."""
     motion = gcode.motion
-    words = ["G" + (decimal(motion // 10, 1) if motion % 100 else str(motion // 100))]
+    words = ["G" + (decimal_text(motion // 10, 1) if motion % 100 else str(motion // 100))]
     words.append("G%d G%d G%d" % (54 + gcode.system, gcode.plane, 20 if gcode.inches else 21))
     words.append("G%d G%d M%d" % (90 if gcode.absolute else 91, 94 if gcode.per_minute else 93, gcode.spindle))
     words.append(("M9", "M8", "M7", "M7 M8")[gcode.coolant])
-    words.append("T%d F%s S%d" % (gcode.tool, rate(gcode.feed, inches), rounded(gcode.rpm, 1000)))
+    words.append("T%d F%s S%d" % (gcode.tool, rate_text(gcode.feed, inches), round_half_away(gcode.rpm, 1000)))
     return "[GC:%s]\r\n" % " ".join(words)
 
 
-def parameters(gcode, probed, touched, inches, homed):
+def parameter_lines(gcode, probed, touched, inches, homed):
     """The lines of $#; `probed` is the position of the last touch in nm, `touched` whether there was one."""
     offsets = gcode.offsets
-    lines = ["[G%d:%s]\r\n" % (54 + number, position(offsets.systems[number], inches)) for number in range(6)]
-    lines += ["[G%d:%s]\r\n" % (number, position(offsets.homes[number], inches)) for number in (28, 30)]
-    lines.append("[G92:%s]\r\n" % position(offsets.shift, inches))
-    lines.append("[TLO:%s]\r\n" % length(offsets.tool, inches))
+    lines = ["[G%d:%s]\r\n" % (54 + number, position_text(offsets.systems[number], inches)) for number in range(6)]
+    lines += ["[G%d:%s]\r\n" % (number, position_text(offsets.homes[number], inches)) for number in (28, 30)]
+    lines.append("[G92:%s]\r\n" % position_text(offsets.shift, inches))
+    lines.append("[TLO:%s]\r\n" % length_text(offsets.tool, inches))
     for tool in range(1, MAX_TOOL + 1):
         text = offsets.length_of(tool)
         if text:
-            lines.append("[T%d:%s]\r\n" % (tool, length(int(text), inches)))
+            lines.append("[T%d:%s]\r\n" % (tool, length_text(int(text), inches)))
     lines.append("[HOMED:%d]\r\n" % homed)
-    lines.append(probe(probed, touched, inches))
+    lines.append(probe_line(probed, touched, inches))
     return lines
 
 
-def probe(probed, touched, inches):
-    return "[PRB:%s:%d]\r\n" % (position(probed, inches), 1 if touched else 0)
+def probe_line(probed, touched, inches):
+    return "[PRB:%s:%d]\r\n" % (position_text(probed, inches), 1 if touched else 0)
 
 
 class Status:
@@ -119,9 +119,9 @@ class Status:
         self._settings = settings
         self._machine = machine
         self._out = None  # made when first asked: many a link never is
-        self.reset()
+        self.reset_cycle()
 
-    def reset(self):
+    def reset_cycle(self):
         self._wco = 0  # reports until the offsets are due
         self.overrides = 0
         self._settings_of = self._offsets_of = self._system = None  # that the fields are of
@@ -145,8 +145,8 @@ class Status:
         self._words = None  # items of STATUS_WORDS whose key this machine's reports have; None: not looked up yet
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0
-        offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
-        self._offset = ("|WCO:%s\0" % position(offsets, self._inches)).encode()
+        offsets = [gcode.offsets.offset_of(gcode.system, axis) for axis in range(gcode.axes)]
+        self._offset = ("|WCO:%s\0" % position_text(offsets, self._inches)).encode()
         at = REPORT_AXIS
         for axis in range(gcode.axes):
             offset = 0 if self._mask & 1 else offsets[axis]
@@ -157,7 +157,7 @@ class Status:
 
     # In small pieces, whose variables do not go on the heap (see app.py).
 
-    def text(self, report, room):
+    def report_bytes(self, report, room):
         """As bytes that are good until the next report. `report`: the controller's; `room`: for lines, in bytes."""
         if self._offsets_of != self._gcode.offsets.version or self._system != self._gcode.system:
             self._wco = 0
@@ -172,7 +172,7 @@ class Status:
             if pins != self._pins:
                 self._pins = pins
                 self._pressed = ("|Pn:%s\0" % pins).encode()
-            at = tell(self._out, at, self._pressed, self._fields)
+            at = write_form(self._out, at, self._pressed, self._fields)
         if self._wco and self.overrides:
             self._wco -= 1
             self.overrides -= 1
@@ -188,7 +188,7 @@ class Status:
 
     def _write_begin(self, report):
         """Write what each report has. Returns where it ends."""
-        return tell_report(self._out, self._form, self._fields, report["seen"], report["position"], self._gcode.axes)
+        return write_report(self._out, self._form, self._fields, report["seen"], report["position"], self._gcode.axes)
 
     def _choose_form(self, report, numbered):
         """The power, and the form that the state asks for; `numbered`: the line has a number."""
@@ -199,7 +199,7 @@ class Status:
             if rpm and not power % 1000:  # as a laser's dots have it: without long integers in half the time
                 rpm = (power // 1000 * rpm + 500) // 1000
             else:
-                rpm = rounded(power * self._max_rpm, 1_000_000_000)
+                rpm = round_half_away(power * self._max_rpm, 1_000_000_000)
             self._fields[REPORT_RPM + NUMBER_WHOLE] = rpm
         state = report["state"]
         substate = report["substate"] if state == "hold" or state == "door" else -1
@@ -232,7 +232,7 @@ class Status:
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self.overrides = self.overrides or 1
-            at = tell(self._out, at, self._offset, self._fields)
+            at = write_form(self._out, at, self._offset, self._fields)
         if self.overrides:
             self.overrides -= 1
             return at
@@ -243,12 +243,12 @@ class Status:
         number = report["spindle"] << 2 | report["coolant"]
         if number not in self._overridden:
             self._overridden[number] = self._override_form(number >> 2, number & 3)
-        at = tell(self._out, at, self._overridden[number], self._fields)
+        at = write_form(self._out, at, self._overridden[number], self._fields)
         if self._words is None:
             self._words = [word for word in STATUS_WORDS if word[0] in report]
         for key, word in self._words:
             if report[key] is not None:
-                at = tell(self._out, at, ("|%s:%s\0" % (word, report[key])).encode(), self._fields)
+                at = write_form(self._out, at, ("|%s:%s\0" % (word, report[key])).encode(), self._fields)
         return at
 
     def _override_form(self, spindle, coolant):

@@ -1,6 +1,6 @@
 """The `$` lines of the grbl language: settings, parameters, and questions to the machine beside motion.
 
-    result = system.execute("$110=500")     # an error's number, or the commands to carry out; the first carries text
+    result = system.execute_line("$110=500") # an error's number, or the commands to carry out; the first carries text
 
 Letters are capitals and blanks are gone already.
 """
@@ -22,18 +22,18 @@ _START_LINES = ("N0", "N1")
 INFO = "I"
 
 
-def answer(text):
+def text_answer(text):
     """Return a command whose only purpose is that `text` is the answer in its turn."""
     command = Command(commands.HELLO)
     command.text = text
     return [command]
 
 
-def told(lines):
+def text_answers(lines):
     """Answers of a few lines each: all in one piece would ask for more memory than a board may have so."""
     parts = []
     for first in range(0, len(lines), _A_FEW):
-        parts += answer("".join(lines[first : first + _A_FEW]))
+        parts += text_answer("".join(lines[first : first + _A_FEW]))
     return parts
 
 
@@ -47,34 +47,34 @@ class System:
         self.blocks = machine.blocks()
         self.probed = [0] * gcode.axes
         self.touched = False
-        self._own = ()  # lines of options, see learn()
+        self._own = ()  # lines of options, see learn_lines()
         self.marks = ""  # letters of options in what `$I` says
         self._asked = ("$#", "$I", "$N")  # lines that any link may say
 
-    def learn(self, start, understand, asked=False):
-        """Lines that begin with `start` are an option's: understand(machine, what follows) returns as execute(). `asked`: any link may say the
+    def learn_lines(self, start, understand, asked=False):
+        """Lines that begin with `start` are an option's: understand(machine, what follows) returns as execute_line(). `asked`: any link may say the
         line that is `start` and no more."""
         self._own += ((start, understand),)
         if asked:
             self._asked += (start,)
 
-    def inches(self):
+    def in_inches(self):
         """Whether reports are in inches: never, if an axis counts degrees."""
         return self._settings.value(SETTING_INCHES) and not self._gcode.turns
 
-    def execute(self, line):
+    def execute_line(self, line):
         state = self._machine.state
         if line == "$":
-            return answer(grbl_report.HELP + "\r\n")
+            return text_answer(grbl_report.HELP + "\r\n")
         if line == "$$":
             return self._all_settings() if state not in ("run", "hold") else errors.BUSY
         if line == "$G":
-            return answer(grbl_report.modes(self._gcode, self.inches()))
+            return text_answer(grbl_report.modes_line(self._gcode, self.in_inches()))
         if line == "$LOG":
-            return told(grbl_report.log(self._machine.log))
+            return text_answers(grbl_report.log_lines(self._machine.log))
         if line == "$MASKS":
             # The board file's values of the settings that are masks, by which old ones are converted.
-            return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
+            return text_answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
             return self._do_link(line[5:])
         if line not in self._asked and self._machine.commander != self._number:
@@ -93,13 +93,13 @@ class System:
         if state not in ("idle", "alarm"):
             return errors.BUSY
         if line == "$#":
-            return told(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches(), self._machine.homed))
+            return text_answers(grbl_report.parameter_lines(self._gcode, self.probed, self.touched, self.in_inches(), self._machine.homed))
         if line[:2] == "$H":
             return self._do_home(line[2:])
         if line == "$SLP":
             return [Command(commands.SLEEP)]
         if line == "$I":
-            return answer(self._info_text())
+            return text_answer(self._info_text())
         if line[:3] == "$I=":
             return self._keep_text(INFO, line[3:])
         if line[:5] == "$RST=":
@@ -113,13 +113,13 @@ class System:
             return errors.BUSY
         if line[2:3] != "=":
             return errors.STATEMENT
-        error = self._gcode.interpret(line[3:].encode(), True)
+        error = self._gcode.interpret_line(line[3:].encode(), True)
         return error or self._gcode.commands
 
     def _do_link(self, text):
         machine = self._machine
         if not text:
-            return answer("[LINK:%d,%s]\r\n" % (machine.commander + 1, machine.links[machine.commander]))
+            return text_answer("[LINK:%d,%s]\r\n" % (machine.commander + 1, machine.links[machine.commander]))
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
@@ -140,10 +140,10 @@ class System:
 
     def _all_settings(self):
         """The settings."""
-        return told(["$%d=%s\r\n" % (number, self.show(number)) for number in self._settings.numbers])
+        return text_answers(["$%d=%s\r\n" % (number, self.setting_text(number)) for number in self._settings.numbers])
 
-    def show(self, number):
-        return grbl_report.decimal(self._settings.value(number), self._settings.places(number))
+    def setting_text(self, number):
+        return grbl_report.decimal_text(self._settings.value(number), self._settings.places(number))
 
     def _info_text(self):
         text = self._settings.get(INFO) or ""
@@ -155,7 +155,7 @@ class System:
         turns = self._gcode.turns
         if turns:
             rows += "[ROTARY:A%s%s]\r\n" % (",SHORT" if turns & 2 else "", ",ENDLESS" if turns & 4 else "")
-        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (self.marks, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
+        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (self.marks, self.blocks, RX_BYTES) + rows + (grbl_report.message_line(about) if about else "")
 
     def _keep_text(self, key, text):
         before = self._settings.snapshot()
@@ -163,7 +163,7 @@ class System:
             self._settings.put(key, text)
         except ValueError:
             return errors.START_LINE_TOO_LONG
-        return self._settings.save(before) or answer("")
+        return self._settings.save(before) or text_answer("")
 
     def _restore_settings(self, what):
         if what not in ("$", "#", "*"):
@@ -171,24 +171,24 @@ class System:
         error = self._machine.restore_settings(what != "#", "$#*".find(what))
         if what != "$":
             self._gcode.offsets.load()
-        return error or answer(grbl_report.message(grbl_report.RESTORING)) + [Command(commands.RESET)]
+        return error or text_answer(grbl_report.message_line(grbl_report.RESTORING)) + [Command(commands.RESET)]
 
     def _start_lines(self, line, state):
         if line == "$N":
             kept = ["$%s=%s\r\n" % (key, self._settings.get(key) or "") for key in _START_LINES]
-            return answer("".join(kept))
+            return text_answer("".join(kept))
         key, equals, text = line[1:].partition("=")
         if key not in _START_LINES or not equals:
             return errors.STATEMENT
         if state != "idle":
             return errors.BUSY
-        error = self._gcode.interpret(text.encode())
+        error = self._gcode.interpret_line(text.encode())
         if error:
             return error
         if not self._settings.keeps(text):
             return errors.START_LINE_TOO_LONG
         # Each is carried out once the one before has been accepted: a line that the machine refuses, or that ends in an alarm, is not kept.
-        return self._gcode.commands + answer("") + [Command(commands.MORE, value=self._store_line(key, text))]
+        return self._gcode.commands + text_answer("") + [Command(commands.MORE, value=self._store_line(key, text))]
 
     def _store_line(self, key, text):
         kept = errors.LOCKED if self._machine.alarm else self._keep_text(key, text)
@@ -208,7 +208,7 @@ class System:
         if places is None:
             return errors.STATEMENT
         words = self._gcode.words
-        error = words.scan(b"X" + text.encode())
+        error = words.scan_line(b"X" + text.encode())
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER
-        return self._machine.change_setting(int(key), words.fixed(X, places)) or answer("")
+        return self._machine.change_setting(int(key), words.word_value(X, places)) or text_answer("")

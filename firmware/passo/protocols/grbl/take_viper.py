@@ -2,7 +2,7 @@
 
     taken = take_lines(data, len(data), lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, batch.most, *batch.taker)
 
-    data ─► keep() ─► text ─► parse() ─► rows ─► queue_lines(), the machine's ─► blocks
+    data ─► buffer_bytes() ─► text ─► parse() ─► rows ─► queue_lines(), the machine's ─► blocks
 
 One text for all interpreters; see motion/block_viper.py.
 """
@@ -12,8 +12,8 @@ import micropython
 from micropython import const
 
 from passo.protocols.gcode.parse_records import *
-from passo.protocols.gcode.parse_viper import parse
-from passo.protocols.grbl.lines import ARC, LEFT, keep
+from passo.protocols.gcode.parse_viper import parse_lines
+from passo.protocols.grbl.lines import ARC, LEFT, buffer_bytes
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
 _LINE_BYTES = const(24)  # of a short line. A call takes fewer lines if they are longer, because `?` waits until it ends
@@ -25,13 +25,13 @@ def take_lines(
     scratch, indices, limits,
 ) -> int:
     """Keep `count` bytes of `data`, and have the machine take the plain ones of the kept lines: as many as it has room for, `most`
-    at most, none while `?` waits. Returns how many; or what keep() says, or LEFT or ARC, and LINES_TAKEN is how many."""
+    at most, none while `?` waits. Returns how many; or what buffer_bytes() returns, or LEFT or ARC, and LINES_TAKEN is how many."""
     machine = ptr32(travel)
     taken = 0
     lines[LINES_TAKEN] = 0
     lines[LINES_WAITS] = 0
     if count:
-        kept = int(keep(data, count, text, lines))
+        kept = int(buffer_bytes(data, count, text, lines))
         if kept:
             return kept
     while lines[LINES_ASKED] == 0 and lines[LINES_AT] < lines[LINES_WHOLE]:
@@ -44,7 +44,7 @@ def take_lines(
         lines[LINES_WAITS] = 1
         if part <= 0:
             break
-        filled = int(parse(text, lines[LINES_AT], until, fields, ptr32(rows), dots, part))
+        filled = int(parse_lines(text, lines[LINES_AT], until, fields, ptr32(rows), dots, part))
         if filled:
             lines[LINES_AT] = fields[PARSE_AFTER]
             lines[LINES_FILLED] = filled

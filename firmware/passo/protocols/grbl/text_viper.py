@@ -1,12 +1,12 @@
 """Numbers as text in a buffer that is used again and again: a status report is made of them, without garbage.
 
-    at = tell_report(out, form, fields, seen, steps, axes)   # all that is told each time, from what was seen of one moment (SEEN_…)
+    at = write_report(out, form, fields, seen, steps, axes)  # all that is told each time, from what was seen of one moment (SEEN_…)
 
     fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * axes))
     fields[REPORT_UNIT:REPORT_AXIS] = MILLIMETRES
     fields[REPORT_AXIS + REPORT_STEPS_PER_M] = …     # of the first axis, and its offset
-    lengths(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
-    at = tell(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
+    set_lengths(fields, steps, axes)                 # the numbers: an array of steps as lengths, less the offsets
+    at = write_form(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
 
 The fields are REPORT_… and NUMBER_… of report_records.py. Positions are written up to 100 km, offsets too. One text for all interpreters; see
 motion/block_viper.py.
@@ -29,17 +29,17 @@ INCHES = array("i", (254, 2540, 1000))
 
 
 @micropython.viper
-def tell_report(out: ptr8, form: ptr8, fields: ptr32, seen: ptr32, steps: ptr32, axes: int) -> int:
-    """Write `form` as tell() does, its numbers from `seen`, and from where the axes are; returns where it ends."""
-    lengths(fields, steps, axes)
+def write_report(out: ptr8, form: ptr8, fields: ptr32, seen: ptr32, steps: ptr32, axes: int) -> int:
+    """Write `form` as write_form() does, its numbers from `seen`, and from where the axes are; returns where it ends."""
+    set_lengths(fields, steps, axes)
     fields[REPORT_BLOCKS + NUMBER_WHOLE] = seen[SEEN_ROOM]
     fields[REPORT_LINE + NUMBER_WHOLE] = seen[SEEN_LINE]
-    tell_speed(fields, seen[SEEN_MM_S], seen[SEEN_NM_S])
-    return int(tell(out, 0, form, fields))
+    set_speed(fields, seen[SEEN_MM_S], seen[SEEN_NM_S])
+    return int(write_form(out, 0, form, fields))
 
 
 @micropython.viper
-def tell_speed(fields: ptr32, mm_s: int, nm_s: int):
+def set_speed(fields: ptr32, mm_s: int, nm_s: int):
     """A speed, `nm_s` below a mm/s, as a number: whole mm/min, or tenths of an inch a minute, rounded. `mm_s` is 27 000 at most."""
     if fields[REPORT_UNIT] == _TENTHS_MM:
         fields[REPORT_SPEED + NUMBER_WHOLE] = 60 * mm_s + (3 * nm_s + 25_000) // 50_000
@@ -50,7 +50,7 @@ def tell_speed(fields: ptr32, mm_s: int, nm_s: int):
 
 
 @micropython.viper
-def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
+def write_form(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
     """Write `form`, which a zero byte ends, at out[at]; a byte of less than a line feed stands for a number of `fields`, 1 for
     the first. Returns where that ends; `at` where it might go beyond REPORT_LONGEST, which `out` has room for."""
     index = 0
@@ -89,7 +89,7 @@ def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
 
 
 @micropython.viper
-def lengths(fields: ptr32, steps: ptr32, axes: int):
+def set_lengths(fields: ptr32, steps: ptr32, axes: int):
     """Set the positions of the axes, less the offsets, as numbers in the report's unit: of whole nanometres, which are rounded as they are,
     halves away from zero.
     """

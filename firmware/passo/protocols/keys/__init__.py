@@ -11,4 +11,4 @@ def check(board):
 
 
 def create(link, number, board, controller, shared, most):
-    return Keys(controller.features["independent"].turning, len(board["axes"]))
+    return Keys(controller.features["independent"].is_turning, len(board["axes"]))

@@ -18,7 +18,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import BAD, FOREVER, KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS, LIVE, REST, STATUS, Command, Run
-from passo.protocols.setting_lines import teach
+from passo.protocols.setting_lines import teach_lines
 from passo.protocols.typed_words import TypedWords
 from passo.records import COUNT_MASK
 
@@ -40,7 +40,7 @@ class Keys:
         self._speed = [1] * KIT_MOTORS
         self._negative = [False] * KIT_MOTORS
         self.words = TypedWords()
-        teach(self.words)
+        teach_lines(self.words)
         self._waiting = None  # the motor whose speed comes next
         self._since_ms = 0
 
@@ -49,8 +49,8 @@ class Keys:
         if self._waiting is not None and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
             self._waiting = None
             yield Command(BAD, error=errors.GARBLED)
-        if self.words.begun() and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
-            self.words.forget()
+        if self.words.is_amid_line() and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
+            self.words.forget_line()
             yield Command(BAD, error=errors.GARBLED)
         for byte in data:
             command = self._take_byte(byte, now_ms)
@@ -63,10 +63,10 @@ class Keys:
             motor = self._waiting
             self._waiting = None
             return self._set_speed(motor, byte)
-        if self.words.fits(byte):
+        if self.words.takes_byte(byte):
             self._since_ms = now_ms
-            return self.words.take(byte)
-        self.words.forget()
+            return self.words.take_byte(byte)
+        self.words.forget_line()
         if byte in SPEED:
             self._waiting = SPEED[byte]
             self._since_ms = now_ms
@@ -114,12 +114,12 @@ class Keys:
 
     def reply(self, event):
         """The kit's own tasks have no answers."""
-        said = self.words.answer(event)
+        said = self.words.event_bytes(event)
         if said is not None:
             return said
         return bytes((WHY, event.value["error"])) if event.command.kind == STATUS else b""
 
-    def push(self, event):
+    def push_bytes(self, event):
         return b""
 
     def drop(self, event):

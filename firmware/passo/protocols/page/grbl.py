@@ -79,7 +79,7 @@ class GrblPage(PageMachine):
         said = b"" if [1 for each in self.unanswered if each[0] is event.command] else self._spoken.reply(event)
         if not said:
             if event.kind == commands.REFUSED:
-                self._gcode.forget()
+                self._gcode.forget_position()
             return PageMachine.take_answer(self, event)
         error = 0
         lines = bytes(said).decode().split("\r\n")  # a report is a part of a buffer
@@ -97,7 +97,7 @@ class GrblPage(PageMachine):
         return error
 
     def take_event(self, event):
-        said = self._spoken.push(event)
+        said = self._spoken.push_bytes(event)
         if event.kind == NOTICE and event.error == errors.NOTICE_PAUSE:
             self.state["why"] = "pause"
         elif event.kind == NOTICE and event.error == errors.NOTICE_TOOL:
@@ -135,7 +135,7 @@ class GrblPage(PageMachine):
         offsets, system = self._gcode.offsets, self._gcode.system
         steps = report["position"]
         position = self.position = state["m"] = [round(steps[axis] / self.scale[axis], 4) for axis in range(len(self.scale))]
-        state["w"] = [round(position[axis] - offsets.of(system, axis) / 1_000_000, 4) for axis in range(len(position))]
+        state["w"] = [round(position[axis] - offsets.offset_of(system, axis) / 1_000_000, 4) for axis in range(len(position))]
         seen = report["seen"]
         state["feed"] = 60 * seen[SEEN_MM_S] + round(seen[SEEN_NM_S] * 3 / 50_000)
         state["rpm"] = (report["power"] * self._settings.value(SETTING_MAX_RPM) + 500_000_000) // 1_000_000_000
@@ -165,7 +165,7 @@ class GrblPage(PageMachine):
     def _take_settings(self):
         self._version = self._settings.version
         self.scale = [resolution / 1000 for resolution in self._record.steps_per_m]
-        show = self._spoken.system.show
+        show = self._spoken.system.setting_text
         self.settings = {number: show(number) for number in self._settings.numbers}
         self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
 

@@ -16,7 +16,7 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.jog import Jog, Limits
 from passo.protocols.page.lease import Lease, ms_since
-from passo.protocols.setting_lines import decimal, thousandths
+from passo.protocols.setting_lines import decimal_text, parse_thousandths
 
 _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
@@ -171,7 +171,7 @@ class PageMachine:
     def settings_texts(self):
         """{number: value as text}; made when it is asked for, to save memory."""
         settings = self._record.settings
-        return {number: decimal(settings.value(number), settings.places(number)) for number in settings.numbers} if settings else {}
+        return {number: decimal_text(settings.value(number), settings.places(number)) for number in settings.numbers} if settings else {}
 
     def _show_position(self, steps):
         """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
@@ -292,7 +292,7 @@ class PageMachine:
         """Set and keep a setting, of a board's own page."""
         if not self._record.settings:
             return errors.UNKNOWN_COMMAND
-        value = thousandths(text)
+        value = parse_thousandths(text)
         return errors.NUMBER if value is None else self.busy_error() or self.queue_command(Command(commands.SETTING, number, value))
 
     def _steps_by(self, way):

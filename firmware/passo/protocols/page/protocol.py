@@ -141,7 +141,7 @@ class Page:
         messages, self._messages = self._messages, []
         return b"\n".join(messages)
 
-    def push(self, event):
+    def push_bytes(self, event):
         """Take an event; the next feed() brings it to the pages."""
         self._machine.take_event(event)
         return b""

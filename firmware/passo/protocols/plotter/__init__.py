@@ -1,10 +1,10 @@
 """The plotter's language on a link."""
 
 from passo.batch import Points
-from passo.protocols import extended
+from passo.protocols import extend_language
 from passo.protocols.plotter.protocol import Plotter
 from passo.protocols.plotter.words import PacketWords
-from passo.protocols.setting_lines import add_jogs, teach
+from passo.protocols.setting_lines import add_jogs, teach_lines
 
 NEEDS = ("drawing",)
 
@@ -20,5 +20,5 @@ def create(link, number, board, controller, shared, most):
     sign = 1 if board["jog"]["up"][1] == "+" else -1
     jog_up = (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0)
     plotter = Plotter(link["idle_gap_ms"], jog_up, Points(number))
-    teach(PacketWords.of(plotter))
-    return extended(plotter, board, "plotter")
+    teach_lines(PacketWords.words_of(plotter))
+    return extend_language(plotter, board, "plotter")

@@ -33,7 +33,7 @@ from passo.records import COUNT_MASK
 
 RESYNC_MS = const(2000)
 PACKET = const(6)
-_HELD = const(2)  # as sift() tells
+_HELD = const(2)  # as sift_points() returns
 _OTHER = const(3)
 
 # The first byte of a packet.
@@ -59,7 +59,7 @@ _RESEND = b"r"
 
 
 @micropython.viper
-def judge(data: ptr8, first: int, before: int, spare: int) -> int:
+def judge_packet(data: ptr8, first: int, before: int, spare: int) -> int:
     """The six bytes from data[first] on: 0 a packet; 1 none, or more than one; 2 a packet in which a byte repeats its neighbour."""
     doubt = 0
     total = 0
@@ -77,7 +77,7 @@ def judge(data: ptr8, first: int, before: int, spare: int) -> int:
 
 
 @micropython.viper
-def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, room: int, most_x: int, most_y: int) -> int:
+def sift_points(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, room: int, most_x: int, most_y: int) -> int:
     """The points at the start of `count` bytes, at most `room`, none beyond most_x, most_y: 4 × how many, and the kind of the bytes behind
     them: 0 less than a packet; 1 bytes that are none, or more than one; 2 a packet in which a byte repeats its neighbour, so that more may
     come or the line be `quiet`; 3 any other packet.
@@ -94,7 +94,7 @@ def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, ro
         spare = 256  # a twin of this value removed, the packet is another one
         if not last:
             spare = (2 * check - int(data[first + 6])) & 255
-        what = int(judge(data, first, before, spare))
+        what = int(judge_packet(data, first, before, spare))
         before = check
         if what == 1:
             return found + 1
@@ -138,7 +138,7 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
-    def take(self, data, now_ms):
+    def take_batch(self, data, now_ms):
         """Keep `data`, and have the machine take the points at its start. Returns the answers to them."""
         if data:
             self._keep_bytes(data, now_ms)
@@ -153,7 +153,7 @@ class Plotter:
         return b"n" * count
 
     def _sift_bytes(self):  # without variables of its own, so that the call takes nothing off the heap: see app.py
-        return sift(
+        return sift_points(
             self._bytes, len(self._bytes), self._before, 0,
             self.batch.data, self.batch.offset, self.batch.room, self.batch.most_x, self.batch.most_y,
         )  # fmt: skip
@@ -171,7 +171,7 @@ class Plotter:
         commands = []
         quiet = (now_ms - self._latest) & COUNT_MASK >= self.gap_ms
         while not self._broken and len(self._bytes) >= PACKET:
-            found = sift(self._bytes, len(self._bytes), self._before, quiet, self._bytes, 0, 0, 0, 0)
+            found = sift_points(self._bytes, len(self._bytes), self._before, quiet, self._bytes, 0, 0, 0, 0)
             if found == _HELD:
                 return commands
             command = self._take_packet(now_ms) if found == _OTHER else None
@@ -221,7 +221,7 @@ class Plotter:
         if code == SET_SPEED or code == LINK:
             return Command(SPEED if code == SET_SPEED else HAND_OVER, value=x)
         if code == WORDS and self.words:
-            return self.words.take(data)
+            return self.words.take_packet(data)
         self._why = errors.UNKNOWN_COMMAND
         return None
 
@@ -233,7 +233,7 @@ class Plotter:
     def reply(self, event):
         """The bytes that tell the host of `event`: none where the language has no word for it."""
         command = event.command
-        said = self.words.answer(event) if self.words else None
+        said = self.words.event_bytes(event) if self.words else None
         if said is not None:
             return said
         if command.kind == BAD:
@@ -246,7 +246,7 @@ class Plotter:
             return status_bytes(event.value)
         return _ON_ACCEPTED.get(command.kind, b"")
 
-    def push(self, event):
+    def push_bytes(self, event):
         """The board never speaks unasked."""
         return b""
 

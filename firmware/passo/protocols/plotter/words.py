@@ -20,7 +20,7 @@ class PacketWords(Words):
         self._text = b""
         self._number = 0  # of the packet that follows
 
-    def take(self, data):
+    def take_packet(self, data):
         """The Command of a packet of six bytes."""
         number = data[1]
         if number and number + 1 == self._number:
@@ -38,4 +38,4 @@ class PacketWords(Words):
             line = self._text[:end].decode()
         except UnicodeError:
             line = ""
-        return self.command(line)
+        return self.line_command(line)

@@ -1,9 +1,9 @@
 """Pulse files on a link; its links share one step program."""
 
-from passo.protocols import extended
+from passo.protocols import extend_language
 from passo.protocols.pulses.protocol import Pulses
 from passo.protocols.pulses.report import port_byte  # noqa: F401: for its page
-from passo.protocols.setting_lines import teach
+from passo.protocols.setting_lines import teach_lines
 from passo.protocols.words import Words
 
 NEEDS = ("pauses",)
@@ -23,5 +23,5 @@ def settings(board, table):
 
 def create(link, number, board, controller, shared, most):
     pulses = Pulses("".join([axis["name"] for axis in board["axes"]]), board["step_program"])
-    teach(Words.of(pulses))
-    return extended(pulses, board, "pulses")
+    teach_lines(Words.words_of(pulses))
+    return extend_language(pulses, board, "pulses")

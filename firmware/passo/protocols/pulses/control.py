@@ -1,6 +1,6 @@
 """The control commands of the language of pulse codes: the words between braces, but for those that frame a file.
 
-    understand(["jog", "x", "100"], "xyz")      # a Command; BAD where there is no such command
+    parse_control(["jog", "x", "100"], "xyz")   # a Command; BAD where there is no such command
 """
 
 from passo import errors
@@ -13,16 +13,16 @@ _PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLO
 _VERBS = {"run": STEPS_GO, "step": STEPS_STEP, "return": STEPS_RETURN, "continue": STEPS_CONTINUE, "repeat": STEPS_PASSES}
 
 
-def number(text):
+def whole_number(text):
     """The whole number that `text` is, or -1."""
     return int(text) if text.isdigit() and len(text) < 9 else -1
 
 
-def understand(words, axes):
+def parse_control(words, axes):
     """The Command of `words`; `axes`: the names of those that a jog may move."""
     verb = words[0] if words else ""
     said = words[1] if len(words) == 2 else ""
-    value = number(said)
+    value = whole_number(said)
     command = None
     if verb in _PLAIN and len(words) == 1:
         return Command(_PLAIN[verb], value=1 if verb == "log" else 0)

@@ -42,8 +42,8 @@ from passo.commands import (
     STEPS_ITEMS, STEPS_OPEN, STEPS_SPEED, STEPS_WAIT, Command,
 )  # fmt: skip
 from passo.protocols.pulses.codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
-from passo.protocols.pulses.control import number, understand
-from passo.protocols.pulses.report import log, status
+from passo.protocols.pulses.control import whole_number, parse_control
+from passo.protocols.pulses.report import log_lines, status
 from passo.records import COUNT_MASK
 
 WINDOW = const(512)
@@ -308,7 +308,7 @@ class Pulses:
         """The Command of a control command's words; None if it has been dealt with."""
         verb = words[0] if words else ""
         if verb in ("load", "stream") and len(words) < 3:
-            size = number(words[1]) if len(words) == 2 else 0
+            size = whole_number(words[1]) if len(words) == 2 else 0
             if size >= 0:
                 return self._open_file(verb == "stream", size, found)
         elif verb == "end" and len(words) == 1:
@@ -317,7 +317,7 @@ class Pulses:
                 return Command(BAD, error=errors.NO_STEP_PROGRAM)
             self._close_file(found)
             return None
-        command = self.words.command(verb) if self.words and verb[:1] == "$" else understand(words, self._axes)
+        command = self.words.line_command(verb) if self.words and verb[:1] == "$" else parse_control(words, self._axes)
         if command.kind == STOP:
             self._mode = _DROP
             self._open = False
@@ -336,7 +336,7 @@ class Pulses:
 
     def reply(self, event):
         command = event.command
-        said = self.words.answer(event) if self.words else None
+        said = self.words.event_bytes(event) if self.words else None
         if said is not None:
             return said
         if event.kind == FINISHED:
@@ -346,7 +346,7 @@ class Pulses:
         if event.kind != ACCEPTED:
             return b"error:%d\n" % event.error
         if command.kind == STATUS:
-            return (log(event.value["log"]) if command.value else status(event.value, self._config)).encode()
+            return (log_lines(event.value["log"]) if command.value else status(event.value, self._config)).encode()
         return b"ok\n"
 
     def _reply_to_file(self, event, command):
@@ -367,7 +367,7 @@ class Pulses:
         acks, self._credit = divmod(self._credit + count, CREDIT)
         return ACK * acks
 
-    def amid(self, text):
+    def is_amid(self, text):
         """True if, behind `text`, a file or control command may have begun and not ended."""
         return bool(text.strip()) or self._mode != _TYPED or self._open or self._frame is not None or bool(self._items)
 
@@ -385,10 +385,10 @@ class Pulses:
         self._begin_file(0)
         return b"stopped\n" if event.kind == DROPPED and event.error == errors.STOPPED else b""
 
-    def push(self, event):
+    def push_bytes(self, event):
         """Return the bytes sent unasked."""
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
         if event.kind == NOTICE and self.words:
-            return self.words.notice(event)
+            return self.words.notice_bytes(event)
         return b"ready\n" if event.kind == RESTARTED else b""

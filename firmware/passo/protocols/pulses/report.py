@@ -67,6 +67,6 @@ def status_from(line):
     return fields
 
 
-def log(log):
+def log_lines(log):
     """The lines that answer {log}, the oldest first: milliseconds, number, who; then ok."""
     return "".join(["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in log.entries]) + "ok\n"

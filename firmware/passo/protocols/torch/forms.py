@@ -14,7 +14,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, SETTING, STATUS, STATUS_WORDS, STILL, STOP, Command
-from passo.protocols.setting_lines import decimal
+from passo.protocols.setting_lines import decimal_text
 from passo.protocols.torch.protocol import CODES, Torch, configure, frame, move
 from passo.records import REQUEST_JSON, REQUEST_PROVEN
 
@@ -33,7 +33,7 @@ _HALF = 0x80000000
 _OPEN = const(8)
 
 
-def whole(text, least, most):
+def parse_whole(text, least, most):
     """The whole number of a text of ASCII digits, with a sign or not; None if it is none, or not within least … most."""
     digits = text[1:] if text[:1] in ("-", "+") else text
     if not digits or len(digits) > 10:
@@ -45,7 +45,7 @@ def whole(text, least, most):
     return value if least <= value <= most else None
 
 
-def form(body):
+def parse_form(body):
     """{key: text} of `key=value&key=value`; None if a key occurs twice, or it is no such text."""
     found = {}
     for part in body.split("&") if body else ():
@@ -103,19 +103,19 @@ class Forms(Torch):
     def _setting_command(self, body):
         """The Command that sets and keeps a setting."""
         try:
-            found = form(body.decode()) if len(body) <= _MOST_BODY else None
+            found = parse_form(body.decode()) if len(body) <= _MOST_BODY else None
         except ValueError:
             found = None
         if found is None or set(found) != {"number", "value"}:
             return Command(BAD, error=errors.GARBLED)
-        return self.words.command("$%s=%s" % (found["number"], found["value"]))
+        return self.words.line_command("$%s=%s" % (found["number"], found["value"]))
 
     def _request_frame(self, path, body):
         """The frame of a request with fields; None if one is missing, too many or out of its range."""
         if len(body) > _MOST_BODY:
             return None
         try:
-            found = form(body.decode())
+            found = parse_form(body.decode())
         except ValueError:
             return None
         names = _FIELDS[path]
@@ -125,7 +125,7 @@ class Forms(Torch):
         for name in names:
             unsigned = name in _UNSIGNED
             least = 0 if unsigned else -_HALF
-            value = whole(found.get(name, ""), least, 2 * _HALF - 1 if unsigned else _HALF - 1)
+            value = parse_whole(found.get(name, ""), least, 2 * _HALF - 1 if unsigned else _HALF - 1)
             if value is None:
                 return None
             values.append(value)
@@ -156,13 +156,13 @@ class Forms(Torch):
         if event.kind != REFUSED:
             if command.kind == SETTING:
                 number, value, places = event.value
-                told += [("number", number), ("value", decimal(value, places))]
+                told += [("number", number), ("value", decimal_text(value, places))]
             if command.kind == STATUS or command.kind == STOP:
                 told += self._position_fields(event.value)
             if command.kind == STATUS:
                 told += self._more_fields(event.value)
             if fields:
-                found = form(fields.decode())
+                found = parse_form(fields.decode())
                 told += [(name, int(found[name])) for name in _FIELDS[path]]
         return bytes((number,)) + _answer_text(told, as_json).encode()
 

@@ -1,8 +1,8 @@
 """Cuts bytes into frames `code body 0xFF` by the length that each code has; 0xFF may stand in a body.
 
     cutter = Cutter({0xFE: 18, 0xDD: 2}, gap_ms=5)
-    cutter.put(serial.read(), now_ms)
-    frame = cutter.next()           # bytes of a whole frame; b"": something was dropped; None: no more for now
+    cutter.put_bytes(serial.read(), now_ms)
+    frame = cutter.next_frame()     # bytes of a whole frame; b"": something was dropped; None: no more for now
 
 There is no checksum, so a frame is believed only where it must begin: behind another good one, or behind a silence of
 `gap_ms`. An unknown code, a wrong terminator or a frame torn by a silence drops everything up to the next silence. A
@@ -42,7 +42,7 @@ class Cutter:
         self._latest = 0  # when the newest byte came
 
     @micropython.native
-    def put(self, data, now_ms):
+    def put_bytes(self, data, now_ms):
         """Bytes, which may be none: time alone ends frames."""
         silent_ms = (now_ms - self._latest) & COUNT_MASK
         if not data:
@@ -65,7 +65,7 @@ class Cutter:
             self._broken = True
 
     @micropython.native
-    def next(self):
+    def next_frame(self):
         """The next whole frame, b"" where bytes were dropped, or None."""
         quiet = self._silent_ms >= self._gap_ms
         if self._broken:
@@ -95,7 +95,7 @@ class Cutter:
             self._lone = data
             self._bytes = b""
             self._broken = True
-            return self.next()
+            return self.next_frame()
         self._bytes = data[length:]
         return data[:length]
 

@@ -27,7 +27,7 @@ from passo.commands import (
     ACCEPTED, ADMIT, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, SEAM, STATUS, STILL,
     STOP, UNLOCK, ZERO, Command, Motion, Run,
 )  # fmt: skip
-from passo.protocols.setting_lines import teach
+from passo.protocols.setting_lines import teach_lines
 from passo.protocols.torch.frames import END, Cutter
 from passo.protocols.typed_words import TypedWords
 
@@ -197,7 +197,7 @@ class Torch:
         a torn frame; `tell_end`: say FINISHED when a move has ended."""
         self.dropped = 0  # frames refused and bytes that were no frame, since the start
         self.words = TypedWords()
-        teach(self.words)
+        teach_lines(self.words)
         self._settings = settings
         self._version = -1  # of the settings that the jogs are of
         self._jogs = self._speeds = ()  # steps and steps/s of X and Y
@@ -209,10 +209,10 @@ class Torch:
     @micropython.native
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends frames."""
-        self._cutter.put(data, now_ms)
+        self._cutter.put_bytes(data, now_ms)
         commands = []
         while self._asked is None:
-            found = self._cutter.next()
+            found = self._cutter.next_frame()
             if found is None:
                 break
             command = self._frame_command(found)
@@ -290,7 +290,7 @@ class Torch:
         if what == LINK_OF:
             return Command(HAND_OVER, value=value)
         if what == LINE_OF:
-            return self.words.take(value) if self.words.fits(value) else Command(BAD, error=errors.GARBLED)
+            return self.words.take_byte(value) if self.words.takes_byte(value) else Command(BAD, error=errors.GARBLED)
         if what == ADMIT_OF:
             return Command(ADMIT, value=value)
         if what == LOG_OF:
@@ -310,7 +310,7 @@ class Torch:
             self._asked = None
             if event.kind == ACCEPTED:
                 self._keep_configured(*command.value)
-        said = self.words.answer(event)
+        said = self.words.event_bytes(event)
         if said is not None:
             return text_bytes(said)
         if event.kind == FINISHED:
@@ -339,7 +339,7 @@ class Torch:
             return frame("FINISHED")
         return b""
 
-    def push(self, event):
+    def push_bytes(self, event):
         """The board says nothing else unasked."""
         return b""
 
