@@ -22,8 +22,8 @@ _RUN_MICROPYTHON = "import sys; sys.path.append({!r}); import micropython_unix; 
 
 
 def python(*folders):
-    """Return the command that runs CPython; -m MODULE, -c CODE or a script follow. With `folders` a script follows, which finds modules there, too.
-    """
+    """Return the command that runs CPython; -m MODULE, -c CODE or a script follow. With `folders` a script follows, which finds modules
+    there, too."""
     flags = ["-P", "-E", *["-s"] * bool(sys.flags.no_user_site), *["-X", "utf8"] * bool(sys.flags.utf8_mode)]
     return [sys.executable, *flags, *(["-c", _RUN_SCRIPT.format([os.path.abspath(each) for each in folders])] if folders else [])]
 
@@ -45,8 +45,8 @@ def micropython():
 
 
 def environment(*folders, **more):
-    """Return the environment of a program that is started, with `more` in it. MicroPython finds modules in `folders`; the user's paths are left out.
-    """
+    """Return the environment of a program that is started, with `more` in it. MicroPython finds modules in `folders`; the user's paths are
+    left out."""
     kept = {name: value for name, value in os.environ.items() if name not in _PATHS}
     return {**kept, **({"MICROPYPATH": os.pathsep.join(map(str, folders))} if folders else {}), **more}
 

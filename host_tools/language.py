@@ -117,7 +117,7 @@ def _(text, *values, **named):
 
 
 def reword_text(text, sentences):
-    """If `text` is one of `sentences` with its fields filled in, return it in the language chosen, its fields too; any other as it is."""
+    """Return `text` in the language chosen if it is one of `sentences` with its fields filled in, its fields too; any other as it is."""
     for sentence in sentences:
         found = re.fullmatch(re.escape(sentence).replace(r"\{\}", "(.*?)"), text, re.DOTALL)
         if found:

@@ -12,7 +12,7 @@ import ast
 
 
 def shorten_arguments(texts):
-    """{path: text} of the modules of a build, with short names for the arguments of the firmware's functions."""
+    """Return {path: text} of the modules of a build, with short names for the arguments of the firmware's functions."""
     trees = {path: ast.parse(text) for path, text in texts.items()}
     kept = {"self"}
     for tree in trees.values():
@@ -22,7 +22,7 @@ def shorten_arguments(texts):
 
 
 def _names_to_keep(node):
-    """Names in a node that must be kept: the board needs them anyway, or other code may use them."""
+    """Return the names in a node that must be kept: the board needs them anyway, or other code may use them."""
     if isinstance(node, ast.Attribute):
         return {node.attr}
     if isinstance(node, (ast.keyword, ast.alias)):

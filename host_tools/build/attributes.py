@@ -26,7 +26,7 @@ class _Module:
 
 
 def shorten_attributes(texts):
-    """{path: text} of the modules of a build, with short names for private functions, classes and attributes."""
+    """Return {path: text} of the modules of a build, with short names for private functions, classes and attributes."""
     modules = {path: _Module(text) for path, text in texts.items()}
     taken = ASKED_FOR.union(*(_names_that_stay(module) for module in modules.values()))
     short = _short_names(modules, {path: _of_self(module) - taken for path, module in modules.items()})
@@ -34,8 +34,8 @@ def shorten_attributes(texts):
 
 
 def _short_names(modules, names):
-    """{path: {name: short name}} of `names`, {path: names of attributes and methods}: attributes of classes that share no object get the same short
-    name."""
+    """Return {path: {name: short name}} of `names`, {path: names of attributes and methods}: attributes of classes that share no object get the same
+    short name."""
     related = _modules_that_share_objects(modules)
     groups = {}  # (path, name): set of all that are the same attribute
     for path in modules:
@@ -58,7 +58,7 @@ def _is_private(name):
 
 
 def _is_of_self(node):
-    """Whether an expression is a private attribute of `self`."""
+    """True if an expression is a private attribute of `self`."""
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self" and _is_private(node.attr)
 
 
@@ -68,7 +68,7 @@ def _of_self(module):
 
 
 def _names_that_stay(module):
-    """Names that must stay: a module uses them in a way that renaming does not follow."""
+    """Return the names that must stay: a module uses them in a way that renaming does not follow."""
     found = set()
     for node in module.nodes:
         if isinstance(node, ast.Attribute) and not _is_of_self(node):
@@ -85,13 +85,13 @@ def _names_that_stay(module):
 
 
 def _class_scope(node):
-    """The parts of a class that are evaluated among its own variables."""
+    """Yield the parts of a class that are evaluated among its own variables."""
     for each in node.body:
         yield from each.decorator_list + [each.args] if isinstance(each, ast.FunctionDef) else [each]
 
 
 def _short_globals(module, taken):
-    """{name: short name} of a module's private functions, classes and variables."""
+    """Return {name: short name} of a module's private functions, classes and variables. `taken`: names that stay."""
     own = set()
     for node in module.tree.body:
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
@@ -105,7 +105,7 @@ def _short_globals(module, taken):
 
 
 def _modules_that_share_objects(modules):
-    """{path: modules one of whose objects may have classes of both, through inheritance; the module itself included}"""
+    """Return {path: modules, itself included, whose classes may be those of one object, through inheritance}."""
     paths = {path.removesuffix(".py").replace("/", "."): path for path in modules}
     lines = {path: {path} for path in modules}  # a module, and those that its classes are derived from
     for path, module in modules.items():

@@ -22,6 +22,7 @@ FILES = FOLDER + "/files"
 
 
 def exists(path):
+    """True if there is a file or folder."""
     try:
         os.stat(path)
         return True
@@ -29,13 +30,14 @@ def exists(path):
         return False
 
 
-def text_of(path):
+def read_text(path):
+    """Return a file's text."""
     with open(path) as file:
         return file.read()
 
 
 def file_digest(path, target=None):
-    """16 hexadecimal digits of a file's bytes and of the path where it belongs, `target`; None: the file lies there."""
+    """Return 16 hexadecimal digits of the hash of a file's bytes and of the path where it belongs, `target`; None: the file lies there."""
     found = hashlib.sha256((target or path).encode() + b"\0")
     with open(path, "rb") as file:
         while True:
@@ -46,18 +48,18 @@ def file_digest(path, target=None):
 
 
 def names_chosen():
-    """The names of the chosen machine and of the one before it; "" if there is none."""
+    """Return the names of the chosen machine and of the one before it; "" if there is none."""
     path = [path for path in (FOLDER + "/chosen", FOLDER + "/new") if exists(path)]
-    return (text_of(path[0]).split("\n") + ["", ""])[:2] if path else ["", ""]
+    return (read_text(path[0]).split("\n") + ["", ""])[:2] if path else ["", ""]
 
 
 def machine_names():
-    """The names of the machines, in order."""
+    """Return the names of the machines, in order."""
     return sorted([name for name in os.listdir(FOLDER) if exists(FOLDER + "/" + name + "/modules.txt")]) if exists(FOLDER) else []
 
 
 def modules_of(name):
-    """(path, digest) of a machine's files, one after another: a board has no memory for all of them."""
+    """Yield (path, digest) of a machine's files: a board has no memory for all of them."""
     with open(FOLDER + "/" + name + "/modules.txt") as file:
         for line in file:
             yield line.strip().split(" ")
@@ -67,7 +69,7 @@ in_place = {}  # digests of the firmware that runs, by path
 
 
 def to_change(wanted):
-    """(path, digest) of those files that are not in place."""
+    """Yield (path, digest) of those files that are not in place."""
     for path, sum in wanted:
         if path not in in_place:
             in_place[path] = file_digest(path) if exists(path) else None
@@ -76,18 +78,18 @@ def to_change(wanted):
 
 
 def digests_missing(wanted):
-    """Digests of those files that are nowhere on the board."""
+    """Return the digests of those files that are nowhere on the board."""
     return [sum for path, sum in to_change(wanted) if not exists(FILES + "/" + sum)]
 
 
 def state_of(name):
-    """A sentence about the fault of a machine; "" if it is whole."""
+    """Return a sentence about the fault of a machine; "" if it is whole."""
     wrong = len(digests_missing(modules_of(name)))
     return "%d files of its firmware are missing or of another version: add it again" % wrong if wrong else ""
 
 
 def print_missing(text):
-    """Prints the digests of files in a modules.txt that are nowhere on the board. Changes nothing on the board."""
+    """Print the digests of files in a modules.txt that are nowhere on the board. Changes nothing on the board."""
     for sum in digests_missing([line.split(" ") for line in text.split("\n") if line]):
         print("wants", sum)
 
@@ -102,9 +104,10 @@ def remove_unused():
 
 
 def print_machines():
+    """Print the board's chip, the chosen machine, and the state of each machine."""
     names = {}
     if exists("board.py"):
-        exec(text_of("board.py"), names)
+        exec(read_text("board.py"), names)
         print("chip", names["BOARD"]["chip"])
     print("chosen", running_name())
     for name in machine_names():
@@ -112,6 +115,7 @@ def print_machines():
 
 
 def move_file(source, target):
+    """Move a file, if it is there, in the place of another."""
     if exists(source):
         if exists(target):
             os.remove(target)
@@ -119,7 +123,7 @@ def move_file(source, target):
 
 
 def running_name():
-    """The name of the machine whose board file is /board.py; "before" if that belongs to none."""
+    """Return the name of the machine whose board file is /board.py; "before" if that belongs to none."""
     if exists("board.py"):
         board = file_digest("board.py")
         for name in machine_names():
@@ -129,6 +133,7 @@ def running_name():
 
 
 def copy_file(source, target):
+    """Copy a file, 512 bytes at a time."""
     with open(source, "rb") as file, open(target, "wb") as made:
         while True:
             part = file.read(512)
@@ -162,7 +167,7 @@ def swap_file(path, sum):
 
 
 def files_of(folder):
-    """The paths of all files in a folder and those below it."""
+    """Yield the paths of all files in a folder and those below it."""
     for name in sorted(os.listdir(folder)):
         path = folder + "/" + name
         if os.stat(path)[0] & 0x4000:
@@ -194,7 +199,7 @@ def keep_old(name, sum):
 
 
 def remove_machine(name):
-    """Forget a stored machine, and its settings."""
+    """Remove a stored machine, and its settings. Raises ValueError if it is the chosen one, or there is none."""
     if name not in machine_names():
         raise ValueError("there is no machine " + name)
     if name == running_name():
@@ -206,7 +211,8 @@ def remove_machine(name):
 
 
 def choose_last():
-    """Choose the machine that was chosen before the one that is. A choose_machine() amid which the power failed is gone on with instead."""
+    """Choose the machine that was chosen before the one that is. If the power failed amid choose_machine(), go on with that instead. Raises
+    ValueError."""
     name = names_chosen()[1]
     if not exists("board.py") and exists("board.new"):
         going = file_digest("board.new", "board.py")
@@ -217,8 +223,8 @@ def choose_last():
 
 
 def choose_machine(name):
-    """The machine `name` from the next start on. Firmware and settings of the one before are kept. While files are moved there is no
-    board.py, so that a board whose power fails amid it moves nothing; the same call then goes on."""
+    """Start as the machine `name` from the next start on. Firmware and settings of the one before are kept. While files are moved there is no
+    board.py, so that a board whose power fails amid it moves nothing; the same call then goes on. Raises ValueError."""
     if name not in machine_names():
         raise ValueError("there is no machine " + name)
     wrong = state_of(name)

@@ -171,7 +171,7 @@ def in_place(data, native=False):
     found, end, names, texts = functions_of(data)
     code = sum(function.length for function in found[1:])
     if found[0].kind != BYTECODE or len(data) <= INLINE_BYTES and code < _WORTH:
-        return _keep_apart(data[:end], names) + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
+        return _with_object(data[:end], names) + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
     head, count, first = _longer_head(data, names, found[0].begin)
     out, copied, table = bytearray(head), found[0].begin, bytearray()
     small = max(0, INLINE_BYTES + 1 - len(data))
@@ -208,10 +208,10 @@ def _longer_head(data, names, begin):
     reader.read_number()
     first = data[:_HEADER_BYTES] + _number_bytes(count) + data[constants : reader.at]
     head = first + data[reader.at : names] + _number_bytes(2 * len(_CALLED)) + _CALLED + b"\0"
-    return _keep_apart(head + data[names:begin], len(head)), count, len(first)
+    return _with_object(head + data[names:begin], len(head)), count, len(first)
 
 
-def _keep_apart(data, names):
+def _with_object(data, names):
     """Return `data`, whose names end at offset `names`, with one object added if it has none and its names fill their piece of the heap. MicroPython
     puts the numbers of names, two bytes each in whole words, and behind them the objects into one piece, and keeps a pointer to where objects begin.
     If names fill the piece and there is no object, that points at the next piece, which is never collected then. Cost: 16 bytes."""

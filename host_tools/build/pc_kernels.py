@@ -138,7 +138,7 @@ def use_compiled():
 
 
 def kernels_of(module, *names):
-    """A host tool's own kernels, functions of a module by name: those in C if there is a compiler, else the module's; `.compiled` says which.
+    """Return a host tool's own kernels, functions of a module by name: those in C if there is a compiler, else the module's; `.compiled` says which.
     The plain ones do the same, some hundred times slower. Raises Failure."""
     return _kernels_of(os.environ.get(CHOICE), module, names)
 

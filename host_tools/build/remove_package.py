@@ -6,6 +6,7 @@ FOLDER = 0x4000
 
 
 def remove_folder(folder):
+    """Remove a folder and all in it."""
     for entry in list(os.ilistdir(folder)):
         path = folder + "/" + entry[0]
         if entry[1] == FOLDER:

@@ -10,6 +10,7 @@ FOLDER = 0x4000
 
 
 def remove_stale(folder, keep):
+    """Remove modules that `keep` does not name from a folder and those below it, and folders that become empty."""
     for entry in list(os.ilistdir(folder)):
         path = folder + "/" + entry[0]
         if entry[1] == FOLDER:

@@ -80,7 +80,7 @@ for name in {}:
 
 
 def files_of(board):
-    """{name: bytes} of those programs.blackbox.FILES that are on a board in the raw REPL. Raises Failure if it has no black box."""
+    """Return {name: bytes} of those programs.blackbox.FILES that are on a board in the raw REPL. Raises Failure if it has no black box."""
     import base64
 
     from host_tools.programs.blackbox import FILE, FILES

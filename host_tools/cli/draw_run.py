@@ -45,12 +45,12 @@ class Plotted:
 
     @functools.cached_property
     def _objects(self):
-        """The drawing as objects of points for the plotter, --points each at most."""
+        """Return the drawing as objects of points for the plotter, --points each at most. Made once."""
         return self._plan.objects(self._said.points)
 
     @property
     def digest(self):
-        """The hash of all points: a journal beside the drawing keeps it."""
+        """Return the hash of all points: the journal beside the drawing has it."""
         return self._plan.digest(self._said.points)
 
     def tool_lines(self):
@@ -79,7 +79,7 @@ class Plotted:
 
 
 def pen_of(part):
-    """Number and name of a pen, for people."""
+    """Return number and name of a pen, for people."""
     return f"{part.number} ({part.name})" if part.name else str(part.number)
 
 

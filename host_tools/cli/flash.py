@@ -53,7 +53,7 @@ def drivers_of(board):
     return ("sdcard",) if board.get("card") else ()
 
 
-def no_answer(port):
+def no_answer_failure(port):
     """Return the Failure of a port at which no MicroPython answers."""
     return Failure(
         "no MicroPython board answers on {}: is it the right port (passo ports), and does no other program use it? A running Passo "
@@ -82,12 +82,12 @@ def ask_board(command, port):
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
-        raise no_answer(port) from None
+        raise no_answer_failure(port) from None
     if result.returncode:
         said = reason_of(result.stderr or result.stdout)
         if "failed to access" in said or "no device" in said:
             raise Failure("{} (passo ports)", said)
-        raise no_answer(port)
+        raise no_answer_failure(port)
     return result.stdout
 
 

@@ -25,8 +25,8 @@ class Try(NamedTuple):
 
 
 def nest_try(item):
-    """Nest the shapes of a Try; return (height used in mm, share of it that is full, 0 … 1), or None if there is no room. A worker process calls it.
-    """
+    """Nest the shapes of a Try; return (height used in mm, share of it that is full, 0 … 1), or None if there is no room. A worker process
+    calls it."""
     import shapely
 
     from host_tools.drawings import nesting

@@ -141,8 +141,8 @@ def _demo_machines(virtual, own, guest):
 
 
 def _cable_machines(port, prompt, board, own, guest):
-    """Return (names of the machines that the board on `port` may become, function that makes it one, {name: board file}); print the files left out.
-    """
+    """Return (names of the machines that the board on `port` may become, function that makes it one, {name: board file}); print the files
+    left out."""
     from host_tools.cli.machine import become_machine
     from host_tools.panel.cable import Cable
 

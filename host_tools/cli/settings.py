@@ -78,8 +78,8 @@ def settings(
 
 
 def board_at(port, baud, protocol):
-    """Return the settings of the board at a port. Its language is found by asking; a board that does not say is a grbl controller's. Raises Failure.
-    """
+    """Return the settings of the board at a port. Its language is found by asking; a board that does not say is a grbl controller's.
+    Raises Failure."""
     from host_tools.cli import ports
     from host_tools.cli.log import find_language
     from host_tools.clients import settings as clients

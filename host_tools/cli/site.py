@@ -42,7 +42,7 @@ def _serve_folder(folder, port):
 
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_):
-            """Requests of a page are no news."""
+            """Print nothing about requests of the page."""
 
     with ThreadingHTTPServer(("127.0.0.1", port), partial(Quiet, directory=folder)) as server:
         try:

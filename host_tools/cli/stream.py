@@ -125,8 +125,8 @@ def ask_settings(lines, origin=line_text):
 
 def send(client, lines, name, count, first, yes, origin, keep=None):
     """Send [(number, bytes)] of the program `name` with progress and keys, from line `first` on, if not None. `count`: keep the receive buffer full,
-    else one line at a time. Calls `keep(number)` as a line begins to move the machine, once a second. Returns (seconds, lines sent). Raises Failure.
-    """
+    else one line at a time. Calls `keep(number)` as a line begins to move the machine, once a second. Returns (seconds, lines sent).
+    Raises Failure."""
     from host_tools.programs import gcode_time
 
     if first:
@@ -294,7 +294,7 @@ class Panel:
             self._paused_at = None
 
     def _take_pipe_keys(self):
-        """Without a terminal: print once that the machine waits, as for the next pen, and take keys from a pipe, one a line."""
+        """If there is no terminal, print once that the machine waits, as for the next pen, and take keys from a pipe, one a line."""
         if self._paused_at is None:
             self._waits = 0
         if self._paused_at is None or self._waits == 2 or not self._client.status["state"].endswith(":0"):

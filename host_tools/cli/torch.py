@@ -39,7 +39,7 @@ class Units:
     """Converts numbers of the command line to steps."""
 
     def __init__(self, board, steps, client):
-        """`board`: the board file's name; `client`: of the board, whose own steps/mm count if it tells them."""
+        """Take the steps/mm of the board that `client` is connected to, else those of the board file `board`; with `steps` 1."""
         from host_tools import boards
         from host_tools.running_board import by_client
 

@@ -82,8 +82,8 @@ def _look_at_grbl(client, known):
 
 
 def _look_at_status(client, known):
-    """Return (rows, position x, y in the language's unit) of a language whose status is a dict of texts or numbers. Raises Failure without an answer.
-    """
+    """Return (rows, position x, y in the language's unit) of a language whose status is a dict of texts or numbers. Raises Failure without
+    an answer."""
     fields = client.status()
     if fields is None:
         raise Failure("the board does not answer")

@@ -39,16 +39,16 @@ Passphrase = Annotated[Optional[str], typer.Option(help="Asked for if it is left
 
 def _run_mpremote(port, *words):
     """Run mpremote, up to a minute; return its output and exit status. Raises Failure if no board answers."""
-    from host_tools.cli.flash import check_port, no_answer
+    from host_tools.cli.flash import check_port, no_answer_failure
 
     check_port(port)
     command = [*interpreter.mpremote(port), *words]
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S)
     except subprocess.TimeoutExpired:
-        raise no_answer(port) from None
+        raise no_answer_failure(port) from None
     if result.returncode and "Traceback" not in result.stderr and "No such file" not in result.stderr:
-        raise no_answer(port)
+        raise no_answer_failure(port)
     return result.stdout, result.returncode
 
 

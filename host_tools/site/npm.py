@@ -28,7 +28,7 @@ class Package:
 
     @property
     def _file_name(self):
-        """The name of the archive in the registry."""
+        """Return the name of the archive in the registry."""
         return f"{self.name.rpartition('/')[2]}-{self.version}.tgz"
 
     def path_in(self, cache=None):
@@ -36,8 +36,8 @@ class Package:
         return (cache or Path("~/.cache/passo").expanduser()) / self._file_name
 
     def read_files(self, *names, cache=None):
-        """Return {name: bytes} of some of its files, fetched the first time. Raises Failure if it cannot be fetched, or is not the one that is known.
-        """
+        """Return {name: bytes} of some of its files, fetched the first time. Raises Failure if it cannot be fetched, or is not the one that
+        is known."""
         kept = self.path_in(cache)
         if kept.is_file():
             data = kept.read_bytes()

@@ -8,8 +8,10 @@ class Random:
         self._state = int(seed * 1_000_000) % 2147483646 + 1
 
     def random(self):
+        """Return a number from 0 to 1."""
         self._state = self._state * 16807 % 2147483647
         return self._state / 2147483647
 
     def randint(self, low, high):
+        """Return an integer from `low` to `high`, both included."""
         return low + int(self.random() * (high - low + 1))

@@ -62,7 +62,7 @@ def test_a_wrong_port_is_one_line(folder, port):
 
 
 def test_a_port_that_does_not_answer_is_one_line(folder, monkeypatch):
-    monkeypatch.setattr(flash, "ask_board", lambda command, port: (_ for _ in ()).throw(flash.no_answer(port)))
+    monkeypatch.setattr(flash, "ask_board", lambda command, port: (_ for _ in ()).throw(flash.no_answer_failure(port)))
     result = run_flash("--port", "socket://localhost:1")
     assert isinstance(result.exception, Failure) and "no MicroPython board answers" in str(result.exception)
     assert result.output == "" and not (folder / "build").exists()
