@@ -19,13 +19,13 @@ class Refused(Failure):
 
 
 def explain_error(answer, line=b""):
-    """An `error:N` with its meaning, and its cause if the line shows it."""
+    """The number and the meaning of an answer `error:N`, in one sentence; other answers as they are. `line`: the refused line, bytes."""
     number = re.sub(r"\D", "", answer)
     return _("error {}, {}", number, error_meaning(int(number), line)) if number else answer
 
 
 def lines_before_ok(line, text):
-    """The lines before the ok of an answer. Raises Refused."""
+    """Return the lines of the answer `text` before its ok. `line`: the line it answers. Raises Refused if it ends with error:N."""
     *told, last = text.splitlines()
     if last != "ok":
         raise Refused("{}: {}", line, explain_error(last), number=int(last[6:]))
@@ -38,7 +38,7 @@ def error_meaning(error, line):
 
 
 def error_cause(error, line):
-    """What in the line (bytes) makes the error, if the line shows it; else ""."""
+    """The cause of an error in a sentence, if the line (bytes) shows it: a checksum, or too many characters; else ""."""
     if error == errors.LETTER and _CHECKSUM.search(line):
         return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())
     text = bare_line(line)

@@ -1,1 +1,1 @@
-"""A page before a board on a cable: what it may ask, in which words the board is told, and what it is shown."""
+"""The page of a board on a cable: its orders, the commands that they become on the wire, and the state that it shows."""

@@ -18,7 +18,7 @@ _MOST = 64  # commands that wait for room
 
 
 class Told:
-    """As much of a machine's record as its reports tell."""
+    """The fields of a machine's record that a page reads, with the values of its reports."""
 
     state = "idle"
     settings = None
@@ -35,7 +35,7 @@ def on_cable(kind):
 
 
 def _with_wire(kind):
-    """Its commands are said on a wire, as there is room."""
+    """The class of pages `kind` that sends its commands on a wire, as many as the wire can take."""
 
     class Said(kind):
         tells = ()
@@ -58,34 +58,34 @@ def _with_wire(kind):
             return 0
 
         def send_waiting(self):
-            """Say what there is room for."""
+            """Send waiting commands, oldest first, until the wire can take no more."""
             while self.said and self.wire.can_take(self.said[0][0]):
                 said = self.said.pop(0)
                 self.unanswered.append(said)
                 self.wire.send_command(said[0])
 
         def hand_over(self, owner):
-            """Take the command from another link; the page gives it to none."""
+            """Take the command from another link. Returns 0, or UNKNOWN_COMMAND for "guest": the page hands it to no other link."""
             return kind.hand_over(self, owner) if owner == "page" else errors.UNKNOWN_COMMAND
 
         def presence_error(self):
-            """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine.
-            Most languages have no word for who is there: then never."""
+            """Return PRESENCE if the board file wants somebody at the machine before an order of another computer starts the tool; else 0.
+            Only grbl's reports show that somebody is there; in other languages such orders are always refused."""
             return errors.PRESENCE if self._presence else 0
 
         def note_port(self, is_open):
-            """The port has been opened, or closed: what was under way is not answered any more."""
+            """Note that the port has been opened or closed. Commands under way get no answer from a closed port; poll() drops them."""
             if not is_open:
                 self.state["link"] = False
                 self.left = True
 
         def lose_board(self):
-            """There is no board any more, or about to be another one."""
+            """Drop the commands under way: the board has gone, or another one takes its place."""
             self.wire.drop()
             self.note_silence()
 
         def note_silence(self):
-            """The board tells nothing."""
+            """Show the link as down, end the jog and forget waiting commands: the board has not answered for silent_ms."""
             self.state["link"] = False
             self.end_jog()
             self.said = []
@@ -95,7 +95,7 @@ def _with_wire(kind):
 
 
 def _with_reports(kind):
-    """Its board is asked for reports, and lost when none come."""
+    """The class of pages `kind` that asks the board for a report each ask_ms, and shows the link as down silent_ms after the last one."""
 
     class Reported(kind):
         ask_ms = 40  # between two reports: 25 a second
@@ -114,7 +114,7 @@ def _with_reports(kind):
             self.send_waiting()
 
         def poll(self, now_ms):
-            """Ask, end what has lapsed, say what has waited."""
+            """Ask for a report if it is time, end a lapsed jog, send waiting commands. Call it at least each ask_ms."""
             if self.left:
                 self.left = False
                 self.lose_board()
@@ -144,7 +144,7 @@ def _with_reports(kind):
                 self.watcher(self.state)
 
         def _alarm_of(self, report):
-            """The number of the alarm that is there, 0: none."""
+            """The number of the alarm that a report shows, 0: no alarm."""
             return (report["error"] or self._record.alarm or errors.NUMBER) if report["state"] == "alarm" else 0
 
         def raise_alarm(self, number):

@@ -2,7 +2,7 @@
 
     class TorchMachine(with_settings(on_cable(TorchPage))): …
 
-A page that asks for the settings has them read, while the machine stands and nothing else is said: `$` for their numbers, then each. Its wire
+If a page asks for the settings, they are read while the machine stands and no other command waits: `$` for their numbers, then each. Its wire
 carries SETTING commands: `$`, `$100` or `$100=48.5` (clients/answers.py). From then on positions and jogs count in the board's own steps/mm.
 A board that does not know such lines has none.
 """
@@ -23,7 +23,7 @@ def _make_question(number=None):
 
 
 class Known:
-    """What the board has told, as the pages of boards ask for it."""
+    """The settings of a board's jogs in steps, with the methods that the page of a board calls."""
 
     def __init__(self, values, scale):
         self._values = values
@@ -37,7 +37,7 @@ class Known:
 
 
 class Questions:
-    """Which settings are still to be asked, and what has been told."""
+    """The questions about settings that still wait, and the values received."""
 
     def __init__(self):
         self._wanted = None  # SETTING commands; None: no page has asked for settings yet
@@ -52,7 +52,7 @@ class Questions:
             self._wanted = [_make_question()]
 
     def begin_again(self):
-        """Something has been set, which may bound or change others; or another board may answer."""
+        """Ask for all anew: a changed setting may bound or change others, or another board may answer."""
         if self._wanted is not None:
             self._wanted = [_make_question()]
 
@@ -69,7 +69,7 @@ class Questions:
         return self._asked
 
     def take_answer(self, event):
-        """The answer to a SETTING command. Returns all settings once the last has been told, else None."""
+        """Take the answer to a SETTING command. Returns {number: text} of all settings behind the last answer, else None."""
         if event.command is not self._asked:
             if not event.error:
                 self.begin_again()
@@ -92,7 +92,7 @@ class Questions:
         return self._found if not self._wanted and len(self._found) == len(self._numbers) else None
 
     def _ask_again(self, command):
-        """Ask again, as long as the line may be at fault. A board that does not even tell its numbers has no such lines."""
+        """Ask again, _MISSES times at most. If the board does not answer `$` either, it has no lines about settings."""
         self._misses += 1
         if command.target is not None and self._misses < _MISSES:
             self._wanted.insert(0, command)
@@ -136,7 +136,7 @@ def with_settings(kind):
                 self._apply_settings()
 
         def _apply_settings(self):
-            """All have been told: steps/mm, travel and jogs are the board's, as every page sees them."""
+            """Take steps/mm, travel in mm and jogs from the settings received, and send the settings to all pages."""
             axes = range(len(self.scale))
             self.scale = [float(self.settings[STEPS + axis]) for axis in axes]
             if self.travel:

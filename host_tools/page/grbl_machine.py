@@ -16,7 +16,7 @@ from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.grbl import AXES, GrblPage
 from passo.protocols.page.lease import ms_since
 
-_FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a position counts from
+_FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # the origin of a position
 _MOST_DOUBTS = 200  # more than the lines that a board has unanswered
 _Cabled = with_jobs(on_cable(GrblPage))
 
@@ -42,8 +42,8 @@ class GrblMachine(_Cabled):
         self._more = []  # words of the last report that has overrides: only that one has them
         self._typed_line = b""  # the newest; b"" is no line
         self._asked = False  # ? has been typed: its report is shown
-        self.cause = None  # cause(error, line): what in a typed line makes the error, "" if the line does not show it
-        self.touched = None  # touched(position): told of each probe that has touched, mm of the work
+        self.cause = None  # cause(error, line): the cause of an error in a typed line, "" if the line does not show it
+        self.touched = None  # touched(position) is called for each probe that has touched, mm of the work
 
     # --- the board
 
@@ -124,7 +124,7 @@ class GrblMachine(_Cabled):
             self.guest.pass_line(line)
 
     def _tell_touch(self, line):
-        """[PRB:…:1]: a touch, of whoever has asked to be told."""
+        """Call touched(position) for the line [PRB:…:1], with the position in mm of the work."""
         if line[:5] == "[PRB:" and line[-3:] == ":1]" and self.touched and self._offset:
             self.touched([float(part) - offset for part, offset in zip(line[5:-3].split(","), self._offset)])
 
@@ -133,7 +133,7 @@ class GrblMachine(_Cabled):
         self.report({"state": name.lower(), "substate": sub, "fields": fields})
 
     def _alarm_of(self, report):
-        """Lines tell alarms, and reports now and then those from before this page began; on its way to an alarm's stand the machine is held."""
+        """The number of the alarm that a report shows, 0: no alarm. A machine that still brakes because of an alarm reports hold."""
         if report["state"] not in ("alarm", "hold", "door"):
             return 0
         number = int(report["fields"].get("Al", "0"))
@@ -165,7 +165,7 @@ class GrblMachine(_Cabled):
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking
 
     def _count_down(self, stands):
-        """How long a G4 still lasts: its line is answered at its end, and the machine stands meanwhile."""
+        """Show how many seconds a G4 still lasts: its line is answered at its end, and the machine stands meanwhile."""
         line = self.wire.oldest_line()
         if line is not self._waits:
             self._waits = line
@@ -185,17 +185,17 @@ class GrblMachine(_Cabled):
         self.state["m"] = machine
         self.state["w"] = [round(machine[axis] - offset[axis], 4) for axis in range(len(told))]
 
-    # --- what is said
+    # --- lines to the board
 
     def send_line(self, line, answered=None):
-        """A line of the page; 0, or why it cannot be said."""
+        """Send a line of the page; answered(error) follows. Returns 0, or TOO_MANY_WAITING."""
         return 0 if self.wire.send_line(PAGE, line, answered or self.note_result) else errors.TOO_MANY_WAITING
 
     def _queue_line(self, line):
         return self.send_line(line.encode(), self._answer_typed)
 
     def _say_typed(self, line):
-        """A line whose answers are shown, those of `$$` and of `?`, too."""
+        """Send a line and show its answers in the page's log, also those of `$$` and `?`. Returns 0 or an error."""
         self._typed_line = typed = line.encode()
         error = self.send_line(typed, lambda error: self._answer_typed(error, typed))
         self._asked = not error and line.strip() == "?"
@@ -216,7 +216,7 @@ class GrblMachine(_Cabled):
         return self._reset_before(lambda: self._send_or_reset(b"$X"))
 
     def _send_or_reset(self, line):
-        """An alarm from before this page began may want a reset, too: the line is refused then, and said again behind one."""
+        """Send a line; if the board refuses it as locked, reset the board and send it again: an alarm from before this page began may want that."""
 
         def take_answer(error):
             if error != errors.LOCKED or self.queue_command(Command(commands.RESET), lambda _: self.send_line(line, self._answer_typed)):
@@ -236,14 +236,14 @@ class GrblMachine(_Cabled):
         return error
 
     def run_line(self, text):
-        """A line as typed; a setting among them is told to all pages."""
+        """Send a line as typed. Reads all settings again if it sets one. Returns 0 or an error."""
         error = self.busy_error() or self._say_typed(text)
         if text[:1] == "$" and "=" in text:
             self._known = False
         return error
 
     def leave_check(self):
-        """A reset leaves the mode, also behind lines that are still under way; the machine was ready before, and nothing has moved."""
+        """End check mode by a reset, which works behind lines under way too, and unlock: the machine was ready before, and nothing has moved."""
         self.drop_jog()
         self._queue_pair(Command(commands.RESET), Command(commands.UNLOCK))
 
@@ -256,7 +256,7 @@ class GrblMachine(_Cabled):
     # --- who commands
 
     def hand_over(self, owner):
-        """Hand the command over: "page" or "guest"; only at rest. The page takes it back from another link of the board, too."""
+        """Hand the command to "page" or "guest", only at rest. The page takes it back from another link of the board, too. Returns 0 or an error."""
         if owner == self.state["owner"]:
             return self.queue_command(Command(commands.HAND_OVER)) if owner == "page" else 0
         if self.busy_error() or self.wire.count_lines(GUEST) or self.wire.count_lines(PAGE):
@@ -267,5 +267,5 @@ class GrblMachine(_Cabled):
 
 
 def axis_words(position):
-    """X… Y… of {axis: mm}."""
+    """The words X… Y… of G-code for {axis: mm}, bytes, with three decimals."""
     return b"".join([b"%s%.3f" % (axis.upper().encode(), position[axis]) for axis in AXES if axis in position])

@@ -1,7 +1,7 @@
 """A guest on the page's wire: a sender at the port that `passo panel` offers. It is answered as if it were alone.
 
-What it asks goes through always, and so does what makes the machine safe. What moves the machine goes through while it has
-the command, which it takes at rest by `$LINK=0`; else its lines get error 112.
+Its questions always go through, and so do the bytes that make the machine safe. Lines that move the machine go through while it has
+the command, which it takes at rest by `$LINK=0`; else they get error 112.
 """
 
 from micropython import const
@@ -28,7 +28,7 @@ class GuestSender:
         self._lines = []
 
     def feed(self, data):
-        """Bytes from the guest."""
+        """Take bytes of the guest: real-time bytes are carried out at once, lines wait for room."""
         plain = bytearray()
         for byte in data:
             if 0x80 <= byte <= 0x9F and real_time(byte) and (plain or self._buffer)[-1:] == b"\xc2":  # a real-time byte as UTF-8, as on the board
@@ -61,7 +61,7 @@ class GuestSender:
         self.poll()
 
     def poll(self):
-        """Send what there is room for."""
+        """Send waiting lines, oldest first, until there is no more room."""
         wire = self._machine.wire
         while self._lines:
             line = self._lines[0]
@@ -80,7 +80,7 @@ class GuestSender:
             self._lines.pop(0)
 
     def report(self, line):
-        """A report: the guest's, if it has asked for one."""
+        """Send a report to the guest if it has asked for one."""
         if self._asked:
             self._asked = False
             self._send_line(line)
@@ -89,7 +89,7 @@ class GuestSender:
         self._send_line(line)
 
     def forget_lines(self):
-        """It has closed its port: what it has queued is dropped."""
+        """Forget its waiting lines: it has closed its port."""
         self._lines = []
         self._buffer = b""
 

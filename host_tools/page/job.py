@@ -44,7 +44,7 @@ class Job:
         self._done = 0  # answered
         self._checked = checked
         self._single = single
-        self._most = 0 if single else len(lines)  # so many may be sent
+        self._most = 0 if single else len(lines)  # the number of lines that may be sent so far
         self._failed = 0
         self._failed_line = 0
         self._idle = 0
@@ -56,7 +56,7 @@ class Job:
         return 0
 
     def poll(self):
-        """Send what there is room for."""
+        """Send lines until there is no more room. Ends the job if another program sends lines to the board."""
         if self._lines is None or self._halting:
             return
         wire = self._machine.wire
@@ -70,11 +70,11 @@ class Job:
             self._at += 1
 
     def play(self, what):
-        """Go on with a job that goes line by line: "step", one line; "run", all the rest."""
+        """Go on with a job that goes line by line: "step", one line; "run", all the rest. Returns 0 or an error."""
         return self.step_line() if what == "step" else self.run_rest() if what == "run" else errors.UNKNOWN_COMMAND
 
     def step_line(self):
-        """One more line, if those before it are done; of a job that runs by itself: no more lines than have been sent."""
+        """Send one more line if the lines before it are done; stop a job that runs by itself behind the lines sent. Returns 0 or an error."""
         if self._lines is None or self._halting or self._checked:
             return errors.NO_SUCH_JOB
         if not self._single:
@@ -87,7 +87,7 @@ class Job:
         return 0
 
     def run_rest(self):
-        """Line by line no more."""
+        """Send the rest of the lines without waiting for step_line(). Returns 0 or an error."""
         if self._lines is None or self._halting:
             return errors.NO_SUCH_JOB
         self._single = False
@@ -95,11 +95,11 @@ class Job:
         return 0
 
     def take_line(self, line):
-        """True if a line in brackets is the job's business alone."""
+        """Take a line in brackets. Returns True if it is meant for the job alone, so that no page shows it."""
         return False
 
     def report(self, state):
-        """A report has come: `state` is its first word, "" while it brakes."""
+        """Take a report: ends a pass after two idle reports, drops a job that has come to its stand. `state`: its first word, "" while it brakes."""
         if self._lines is None:
             return
         if self._halting:
@@ -121,7 +121,7 @@ class Job:
             self._end_job("done", 0)
 
     def abort(self):
-        """Come to a stand on the path, then drop the rest."""
+        """Hold the machine on its path; report() drops the rest of the job once it stands. Returns 0."""
         if self._lines is None:
             return 0
         self._halting = True
@@ -130,16 +130,16 @@ class Job:
         return 0
 
     def fail(self, error):
-        """It has ended, for a reason outside of it."""
+        """End the job as failed with an error from outside: a stop, an alarm, a lost board."""
         if self._lines is not None:
             if error == errors.ALARM_SOFT_LIMIT and not self._failed and self._done < self._at:
                 self._failed_line = self._lines[self._done][0]  # told before the line that it is of is answered
             elif self._failed in (0, errors.STOPPED) and not self._failed_line:
-                self._failed_line = self._machine.state.get("line") or 0  # where it was; more have been answered
+                self._failed_line = self._machine.state.get("line") or 0  # the line being executed; the board has answered later ones
             self._end_job("failed", self._failed or error)
 
     def line_number(self):
-        """Number, in the file, of the line that was refused, or of the one that the board has answered last."""
+        """The number, in the file, of the refused line, or of the line that the board answered last; 0: none yet."""
         return self._failed_line or self._lines[self._done - 1][0] if self._lines and self._done else 0
 
     def _count_answer(self, error):
@@ -163,7 +163,7 @@ class Job:
             self._machine.leave_check()  # $C would be the next line of those under way
 
     def _show_state(self, how, error):
-        """What every page gets to know: `how` is run, done or failed."""
+        """Show the job on all pages: `how` is "run", "done" or "failed"."""
         self._machine.state["job"] = self.job_fields(how, error)
 
     def job_fields(self, how, error):
@@ -173,6 +173,6 @@ class Job:
         }  # fmt: skip
 
     def refresh_state(self):
-        """The state's picture of a job that runs."""
+        """Bring the state's "job" up to date for the pages."""
         if self._lines is not None:
             self._show_state("halting" if self._halting else "run", 0)

@@ -7,7 +7,7 @@ from passo import errors
 
 
 def with_jobs(kind):
-    """The class of pages `kind`, see cable_page.py, with a job: running(), run(), play(), poll(), refresh(), abort(), fail(error)."""
+    """The class of pages `kind`, see cable_page.py, with a job: is_running(), run(), play(), poll(), refresh_state(), abort(), fail(error)."""
 
     class WithJobs(kind):
         job = None

@@ -1,5 +1,5 @@
-"""What a page may ask of a PC's server beside what every machine may be asked (passo/protocols/page/orders.py): jobs that are streamed, teach-in, and
-another machine. Tool on, run and resume from another computer want somebody at the machine, where the board file names an input for that.
+"""The orders of a page to a PC's server, beside those of every machine (passo/protocols/page/orders.py): jobs that are streamed, teach-in, and
+another machine. Tool on, run and resume from another computer want somebody at the machine, if the board file names an input for that.
 
     api = PanelOrders(machine, store, teach, choose)
 """
@@ -18,8 +18,8 @@ _MOST_PLACED = 100_000  # mm
 
 class PanelOrders(Orders):
     def __init__(self, machine, store, teach=None, choose=None, proving=None, own=None):
-        """`store`: the jobs: job_names(), lines_of(name), text_piece(name, at), facts_of(name, settings), add_piece(name, at, piece, last), put_job(name, text), remove_job(name); what
-        fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
+        """`store`: the jobs: job_names(), lines_of(name), text_piece(name, at), facts_of(name, settings), add_piece(name, at, piece, last), put_job(name, text), remove_job(name); they
+        return the number of an error if they fail; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
         no choice. `proving`: its carry_out(order) and end() begin and end a proof of the board; None: there is no proof here. `own`: its
         carry_out(order) makes and changes board files of the user's own; None: there are none here."""
         Orders.__init__(self, machine)
@@ -34,7 +34,7 @@ class PanelOrders(Orders):
         self._own = own
         if own:
             self._orders["board"] = self._order_board
-        self.makes = ()  # what this server computes for the set-up
+        self.makes = ()  # orders of the set-up that this server computes
         if store and machine.language == "grbl":
             made = SetUp(machine, store).orders()
             self._orders.update(made)
@@ -57,18 +57,19 @@ class PanelOrders(Orders):
         return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + (["prove"] if self._proving else []) + (["board"] if self._own else []) + list(self.makes)
 
     def poll(self):
-        """Some hundred times a second."""
+        """Begin the next job of the queue if it is time. Call it some hundred times a second."""
         if self._queue:
             self._queue.poll()
 
     def answer_order(self, order, proven, remote=False):
-        """`remote`: it comes from another computer, and the board does not know that."""
+        """The answer to an order, a dict; waits for a SlowOrder's work. `proven`: its session has the key; `remote`: it comes from another
+        computer, and the board does not know that."""
         answer = self.begin(order, proven, remote)
         later = answer.get("error")
         return self.finish(answer, later.work()) if isinstance(later, SlowOrder) else answer
 
     def begin(self, order, proven, remote=False):
-        """The same, but for what takes a moment: then the answer's "error" is a SlowOrder, and finish() has the answer."""
+        """The answer to an order without waiting: if it takes a moment, its "error" is a SlowOrder, and finish() returns the answer."""
         known = isinstance(order, dict)
         if known and order.get("do") == "stop":
             self._stops += 1
@@ -83,7 +84,7 @@ class PanelOrders(Orders):
         return answer
 
     def _full_answer(self, order, found):
-        """An answer of a refusal, see is_refusal()."""
+        """The complete answer for the dict `found` that an order returned: a message with "t", or the fields of a refusal, see is_refusal()."""
         if "t" in found:
             return found
         answer = self._plain_answer(order["do"], found["error"])
@@ -91,7 +92,7 @@ class PanelOrders(Orders):
         return answer
 
     def finish(self, answer, result):
-        """The answer to an order whose work has given `result`."""
+        """The answer to a slow order: `answer` from begin(), `result` of its work."""
         found = answer["error"].then(result)
         if not isinstance(found, dict):
             answer["error"] = found
@@ -107,7 +108,7 @@ class PanelOrders(Orders):
         return self.machine.busy_error() or self._choose(text_field(order, "name", 64))
 
     def _order_board(self, order):
-        """A board file of the user's own: `what` is get, new, set, back or remove."""
+        """Read or change a board file of the user's own: `what` is get, new, set, back or remove."""
         if text_field(order, "what", 8) != "get" and self.machine.busy_error():
             return self.machine.busy_error()
         return SlowOrder(lambda: self._own.carry_out(order), self._own.finish)
@@ -124,7 +125,7 @@ class PanelOrders(Orders):
         return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
 
     def _job_about(self, order):
-        """What a job will do: only at rest, for it takes a moment."""
+        """Estimate a job: time, tools, pauses. Only at rest, because it takes a moment. Returns a SlowOrder or an error."""
         name = text_field(order, "name", 64)
         settings = dict(self.machine.settings)
 
@@ -138,7 +139,8 @@ class PanelOrders(Orders):
         return self.machine.busy_error() or SlowOrder(lambda: self.store.facts_of(name, settings), about_answer, slow=True)
 
     def _job_part(self, order):
-        """A piece of a job: the first has `at` 0, the last `last`."""
+        """Take a piece of a job's text. Order: `at`: the piece's first character, 0 for the first; `last`: the job is complete. Returns 0, an error or
+        a SlowOrder."""
         name = text_field(order, "name", 64)
         at = int(number_field(order, "at", 0, _MOST_NUMBER))
         piece = order.get("text")
@@ -149,7 +151,7 @@ class PanelOrders(Orders):
         return SlowOrder(lambda: self.store.add_piece(name, at, piece, True), job=name, slow=True)  # a drawing becomes a job
 
     def _job_place(self, order):
-        """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
+        """Make a drawing's job anew with its lower left corner at x, y, `width` wide, in mm. Returns a SlowOrder or an error."""
         name = text_field(order, "name", 64)
         place = [number_field(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
         return self.machine.busy_error() or SlowOrder(lambda: self.store.place_job(name, place), job=name, slow=True)
@@ -182,7 +184,7 @@ class PanelOrders(Orders):
     # --- teach-in
 
     def _order_teach(self, order):
-        """Manual moves from now on are written down; `save`: under a name."""
+        """Record manual moves: `what` is begin, save (under a name) or drop. Returns 0 or an error."""
         what = text_field(order, "what", 8)
         if self.teach is None or what not in ("begin", "save", "drop"):
             return errors.UNKNOWN_COMMAND

@@ -17,10 +17,10 @@ from passo.web.pages import Pages
 
 
 class ServedPages(Pages):
-    """What all servers of a PC share: a message is proven and read here, carried out by `answer_order(page, order, proven)` of the class behind."""
+    """The base of all servers of a PC: it checks a message's proof and reads it; the subclass's answer_order(page, order, proven) carries it out."""
 
     def answer_message(self, page, text, now_ms):
-        """The answer to a message, a dict; None: the page is to be closed."""
+        """Check and carry out a page's message. Returns the answer, a dict; None: close the page."""
         said = text
         text, proven = self.open(page, text, now_ms)
         if text is None:
@@ -41,13 +41,13 @@ class ServedPages(Pages):
 
 
     def not_written_answer(self, order):
-        """The answer to an order, or to its first answer, on which the disk has failed."""
+        """The answer to an order that failed because the disk could not be written. `order`: the order, or its first answer."""
         do = order.get("do") if isinstance(order, dict) else ""
         return {"t": "answer", "do": do if isinstance(do, str) else "", "error": errors.NOT_WRITTEN}
 
 
 def _add_number(answer, said):
-    """An answer to a message that was not looked at, with the message's number: a slower order may be the oldest that waits for one."""
+    """Add the message's number to the answer of a refused message: else the page takes it for the answer to its oldest order."""
     try:
         order = order_of(said.split(".", 2)[-1])
     except ValueError:
@@ -66,7 +66,7 @@ class PanelPages(ServedPages):
         self.version = None  # another one once more than places have changed
 
     def first_fields(self, more):
-        """What the first message to a page says, with `more`."""
+        """The fields of the first message to a page, a dict; `more`: fields to add."""
         told = self.api.first_message()
         told.update(more)
         return told
@@ -84,11 +84,11 @@ class PanelPages(ServedPages):
         return answer
 
     def finish(self, page, answer, result):
-        """The answer to an order whose work has given `result`; None: who asked has gone, and nothing is done."""
+        """The answer to a slow order, see PanelOrders.finish(); None: the page has gone, and the order is not carried out."""
         return self.api.finish(answer, result) if page in self.pages else None
 
     def next_state(self, now_ms):
-        """The state as it is pushed to all pages, JSON. A jog's lease counts from it: it is sent at once."""
+        """The state for all pages, JSON, with a new beat. Send it at once: the lease of a jog counts from it."""
         self.beat = self.beat % COUNT_MASK + 1
         machine = self.api.machine
         machine.note_beat(self.beat)

@@ -6,7 +6,7 @@
     job.play("step_back")               # to the point before it, pen up; "back": to the first one, "run": forward, all the rest
 
 The language has no word for pause: a job that goes point by point sends END behind each of them, so the pen is up where it stands.
-What has been sent already is drawn before a job that runs comes to its stand.
+Points already sent are drawn before a job that runs comes to its stand.
 """
 
 from micropython import const
@@ -20,7 +20,7 @@ _WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
 
 
 def read_line(line):
-    """(name, x, y) of a line of a job; None: no words of the language."""
+    """(name, x, y) of a job's line, bytes; x and y in steps, 0 if it has none; None: it is no line of the language."""
     words = line.decode().upper().split()
     wanted = _WORDS.get(words[0]) if words else None
     if wanted is None or len(words) != 1 + wanted or [word for word in words[1:] if not word.isdigit() or len(word) > 5]:
@@ -41,7 +41,8 @@ class PlotterJob:
         return self._lines is not None
 
     def run(self, name, lines, passes, checked, single=False):
-        """Begin; `checked`: the lines are only read; `single`: play("step") says when a point is drawn. Returns 0 or an error."""
+        """Begin a job of `lines`, [(number, bytes)], `passes` times. `checked`: only read them; `single`: draw a point at each play("step").
+        Returns 0 or an error."""
         if self._machine.busy_error():
             return errors.BUSY
         self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
@@ -72,7 +73,7 @@ class PlotterJob:
     # --- forward
 
     def _send_next(self):
-        """Send what comes next, if nothing is under way."""
+        """Send the next packet of the job, forward or backward, if no packet is under way."""
         if self._lines is None or self._busy:
             return
         if self._backward:
@@ -108,7 +109,7 @@ class PlotterJob:
         self._machine.queue_command(Command(_KINDS[name], (x, y) if tool or name == "MOVE" else None, x, tool), answered)
 
     def _ends_with(self, error):
-        """True if the job has ended, or does by this answer."""
+        """Take the error of an answer, 0: none. Returns True if the job has ended, or ends now because of it."""
         self._busy = False
         if self._lines is not None and error:
             self._end_job("failed", error)
@@ -129,7 +130,7 @@ class PlotterJob:
             self._send_next()
 
     def _close_object(self):
-        """The object is drawn."""
+        """Forget the points of the object: it is drawn."""
         self._open = self._drawn = 0
         self._first = -1
 
@@ -172,14 +173,14 @@ class PlotterJob:
     # --- orders
 
     def play(self, what):
-        """`what`: step, step_back, back, run. Returns 0 or an error."""
+        """Go on with the job: `what` is step, step_back, back or run. Returns 0 or an error."""
         if what not in ("step", "step_back", "back", "run"):
             return errors.UNKNOWN_COMMAND
         if self._lines is None and (what in ("step", "run") or not self._at_its_end()):
             return errors.NO_SUCH_JOB
         if what == "run" or what == "step" and (self._backward or not self._single):
             self._backward = False
-            self._single = what == "step"  # what has been sent is drawn
+            self._single = what == "step"  # points already sent are drawn
         elif self._busy or self._backward:
             return errors.BUSY
         else:
@@ -190,7 +191,7 @@ class PlotterJob:
         return 0
 
     def _at_its_end(self):
-        """True if a job that is done has been taken up where it ended: it may go back."""
+        """Take up a job that is done, if the pen still stands at its end, so that it can go back. Returns False if not."""
         lines = self._ended
         if lines is None or self._machine.busy_error():
             return False
@@ -202,17 +203,17 @@ class PlotterJob:
         return True
 
     def pen_is_down(self):
-        """True if the point under way is one that the pen draws to; None: what moves is not of this job."""
+        """Return whether the pen draws to the point under way; None: the motion is not of this job."""
         if self._lines is None or not self._open:
             return None if self._lines is None or not self._backward else False
         return self._drawn < self._open and self._name_at(self._first + self._drawn) == "LINE"
 
     def report(self, drawn):
-        """So many points of the object have been drawn."""
+        """Take from a STATUS how many points of the object have been drawn."""
         self._drawn = drawn
 
     def poll(self):
-        """The answers let it go on."""
+        """Do nothing: answers make the job go on."""
 
     def refresh_state(self):
         if self._lines is not None:
@@ -233,7 +234,7 @@ class PlotterJob:
     def _show_state(self, how, error):
         at = self._at
         if how == "run" and self._first >= 0:
-            at = min(at, self._first + self._drawn)  # what is drawn, of what has been sent
+            at = min(at, self._first + self._drawn)  # of the lines sent, those drawn
         self._machine.state["job"] = {
             "name": self._name, "how": how, "error": error, "line": self._lines[at - 1][0] if at else 0, "lines": len(self._lines),
             "done": at, "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self._single,

@@ -4,7 +4,7 @@
     machine.job.run("square.txt", [(1, b"MOVE 200 150"), (2, b"LINE 200 550"), (3, b"END")], 1, False)
 
 A job (plotter_job.py) is in the words of `passo send`: MOVE and LINE with a place in steps, SPEED, and END, which draws what has been
-sent. Where the pen is, is known from that, and from the points drawn that STATUS counts.
+sent. The pen's state follows from the lines sent and from the number of points drawn, which STATUS tells.
 """
 
 from host_tools.clients.plotter_wire import PlotterWire
@@ -38,5 +38,5 @@ class PlotterMachine(_Cabled):
             self.state["pen"] = "down" if down else "up"
 
     def stands_at(self, line):
-        """True if the last STATUS has the place of a line of a job, (name, x, y)."""
+        """True if the last STATUS has the position of a job's line, (name, x, y) in steps."""
         return self._steps == [line[1], line[2]]

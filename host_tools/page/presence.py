@@ -1,15 +1,15 @@
-"""What a page on another computer may do only while somebody is at the machine. A board that serves its own page knows that by its
-links (options/network/control.py).
+"""The orders that a page on another computer may give only while somebody is at the machine. A board that serves its own page checks
+that by its links (options/network/control.py).
 
     starts_motion({"do": "output", "name": "spindle_cw"})      # True
 """
 
-_STARTS = ("run", "resume", "play", "weave", "motor")  # and what only one language has
+_STARTS = ("run", "resume", "play", "weave", "motor")  # the last three: of one language each
 _TOOLS = ("spindle_cw", "spindle_ccw", "tool_on")
 
 
 def starts_motion(order):
-    """Whether an order starts the tool or a program, or goes on with one."""
+    """True if an order (a dict) starts the tool or a program, or goes on with one."""
     name = order.get("do")
     if name == "output":
         return order.get("name") in _TOOLS
@@ -29,7 +29,7 @@ def starts_motion(order):
 
 
 def _line_starts(line):
-    """The same of a line as typed: M3, M4, a stored job, a start line, the byte that resumes. An M amid comments may be anything."""
+    """True if a typed line does: M3, M4, a stored job, a start line, `~`. An M in a line with a comment counts, too."""
     words = line.split("M")[1:]
     if line[:3] in ("$F=", "$N0", "$N1") or "~" in line or words and "(" in line:
         return True

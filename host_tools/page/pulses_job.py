@@ -18,7 +18,7 @@ _PIECE = const(256)  # bytes of a file in one call
 _CHECK_PIECE = const(4096)
 _LOST_END = const(4)  # reports of an idle machine after which its "end" has got lost
 
-# What becomes of the file.
+# The phases of a file on its way to the board.
 _NO_FILE = const(0)
 _OPENING = const(1)
 _SENDING = const(2)
@@ -42,14 +42,15 @@ class PulsesJob:
         self._idle = 0
 
     def is_sending(self):
-        """True while a file goes to the board and nothing of it moves yet."""
+        """True while a file goes to the board and the machine does not play it yet."""
         return self._phase != _NO_FILE and not self._stream
 
     def is_running(self):
         return self._phase != _NO_FILE or self.playing
 
     def run(self, name, data, passes, checked, single=False):
-        """Begin; `checked`: the board only looks at it; `single`: the page says when a code goes. Returns 0 or an error."""
+        """Send the file `data`, bytes, and play it `passes` times. `checked`: only check it; `single`: wait for the page at each code.
+        Returns 0 or an error."""
         if self._machine.busy_error() or self.is_running() or self._machine.state["state"] != "Idle":
             return errors.BUSY
         if not data:
@@ -85,7 +86,7 @@ class PulsesJob:
             self._machine.wire.begin_file()
 
     def poll(self):
-        """Send what there is room for."""
+        """Send bytes of the file while the board gives credit, then "end"; check a piece of a file that it cannot keep."""
         if self._phase == _CHECKING:
             self._check_piece()
         if self._phase != _SENDING:
@@ -116,7 +117,7 @@ class PulsesJob:
             self._end_job("failed", errors.TOO_MANY_WAITING)
 
     def take_play_answer(self, error):
-        """{run} and its kin have been answered."""
+        """Take the answer to {run}, {step}, {back} and the like: the file plays, or the job ends with `error`."""
         if error and error != LOST:
             self._machine.note_result(error)
             if not self.playing:
@@ -127,7 +128,7 @@ class PulsesJob:
             self._idle = 0
 
     def note_file_error(self, error, row, column):
-        """The board makes no sense of the file, from there on, or cannot keep it."""
+        """Take an error in the file at row, column, from 1. If the board only lacks room, check or stream the file instead of storing it."""
         if self._phase == _NO_FILE:
             self._machine.note_result(error)
             return
@@ -143,7 +144,7 @@ class PulsesJob:
             self.fail(error)
 
     def _check_piece(self):
-        """Read on here, as the board would."""
+        """Parse the next piece of the file on this PC with the firmware's reader, and end the job at an error or behind the last piece."""
         piece = self._data[self._sent : self._sent + _CHECK_PIECE]
         self._sent += len(piece)
         found = self._reader.feed(piece, 0)
@@ -159,7 +160,7 @@ class PulsesJob:
             self._end_job("done", 0)
 
     def take_line(self, line):
-        """What the board says unasked of a file that it plays."""
+        """Take a line that the board sends unasked while it plays a file: "end", "start" or "oldest" ends the job."""
         if line == "end" and self.playing:
             self._at = self._of
             self._end_job("done", 0)
@@ -170,11 +171,11 @@ class PulsesJob:
             self._end_job("oldest", 0)
 
     def replay_refusal(self):
-        """0, or why what the board has may not be played."""
+        """0, or why the board's file may not be played now."""
         return errors.BUSY if self.is_sending() else 0 if self.name else errors.NO_STEP_PROGRAM
 
     def report(self, state, fields):
-        """A report: `state` is the board's word, `fields` all of it."""
+        """Take position, pass and direction of the file from a report. `state`: the board's word, `fields`: {name: text} of the report."""
         if not self.playing:
             return
         self._at = int(fields["at"])
@@ -189,11 +190,11 @@ class PulsesJob:
             self._end_job("done", 0)
 
     def abort(self):
-        """Stop at the next step; the file is at its start then."""
+        """Stop at the next step; the file starts from its beginning next time. Returns 0 or an error."""
         return self._machine.stop() if self.is_running() else 0
 
     def fail(self, error):
-        """It has ended, for a reason outside of it."""
+        """End the job as failed with an error from outside: a stop, an alarm, a lost board."""
         if self.is_running():
             self._phase = _NO_FILE
             self._end_job("failed", error)
@@ -203,7 +204,7 @@ class PulsesJob:
         self._show_state(how, error)
 
     def _show_state(self, how, error):
-        """What every page gets to know: `how` is load, run, done, start, oldest or failed."""
+        """Show the job on all pages: `how` is "load", "run", "done", "start", "oldest" or "failed"."""
         sending = how == "load"
         self._machine.state["job"] = {
             "name": self.name, "how": how, "error": error, "line": 0 if sending else self._at,
@@ -213,7 +214,7 @@ class PulsesJob:
         }  # fmt: skip
 
     def refresh_state(self):
-        """The state's picture of a job that runs."""
+        """Bring the state's "job" up to date for the pages."""
         if self.playing:
             self._show_state("run", 0)
         elif self._phase != _NO_FILE:

@@ -3,7 +3,7 @@
     machine = PulsesMachine(write, tell, board)     # a checked board file: steps/mm, the port's bits
     machine.play("back")                            # 0, or a number of errors
 
-What the PC adds: jobs, and teach-in, which writes down what moves by hand have come to once the machine stands.
+The PC adds jobs and teach-in. Teach-in records the steps that moves by hand have made once the machine stands.
 """
 
 from micropython import const
@@ -35,7 +35,7 @@ class PulsesMachine(_Cabled):
     # --- what the board says
 
     def take_line(self, line):
-        """A line that answers nothing."""
+        """Take a line of the board that answers no command: an alarm, a stop, an error in the file, the end of a job."""
         if line[:6] == "alarm:" and line[6:].isdigit():
             self.raise_alarm(int(line[6:]))
         elif line == "stopped" or line == "ready":
@@ -69,7 +69,7 @@ class PulsesMachine(_Cabled):
     # --- moves by hand
 
     def _record_moves(self):
-        """The machine stands: what was moved by hand since it last did is known now."""
+        """Add the moves by hand since the machine last stood to the teach-in, with the steps that they really made, if it stands now."""
         if self._from is not None and not self.said and not self.wire.waits_for("jog") and not self.jog.waiting:
             made = [self._steps[axis] - self._from[axis] for axis in range(len(self._steps))]
             self.teach.add_moves([run for runs in self._runs for run in runs], made, self.state["feed"])

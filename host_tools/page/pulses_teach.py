@@ -24,7 +24,7 @@ class PulsesTeach:
         self._tool = False
 
     def count_moves(self):
-        """How many moves have been recorded; −1: it does not record."""
+        """The number of moves recorded; −1: it does not record."""
         return -1 if self._parts is None else len([1 for _, count in self._parts if count])
 
     def begin(self):
@@ -39,14 +39,14 @@ class PulsesTeach:
         return 0
 
     def note_tool(self, tool, drives):
-        """A report: whether the tool is on."""
+        """Note from a report whether the tool is on, and mark a change in the file."""
         self._tool = tool
         if self._parts is not None and tool != self._lit:
             self._lit = tool
             self._parts.append(("(" if tool else ")", 0))
 
     def add_moves(self, runs, made, speed):
-        """`runs`: (axis, steps) in their order; `made`: steps of each axis that came of them; `speed`: mm/min."""
+        """Add moves by hand. `runs`: (axis, steps) in their order; `made`: the steps that each axis really made; `speed`: mm/min."""
         if self._parts is None:
             return
         left = list(made)
@@ -67,7 +67,7 @@ class PulsesTeach:
         self._parts.append((code, count))
 
     def program_text(self):
-        """The file; recording ends."""
+        """End recording and return the file's text, or the number of an error."""
         if self._parts is None:
             return errors.NO_SUCH_JOB
         lines = ["["]

@@ -94,7 +94,7 @@ class Queue:
         return 0
 
     def poll(self):
-        """Look whether the job of the queue has ended; begin the next one, or ask for it."""
+        """Begin the next job once the queue's job is done, or ask for it. Call it some hundred times a second."""
         machine = self._machine
         if not self._now or self._reads or machine.job.is_running() or machine.state["state"] != "Idle":
             if self._now and not machine.state["link"]:
@@ -109,7 +109,7 @@ class Queue:
             self._read_next()
 
     def note_stop(self):
-        """Somebody has said STOP: the one that is being read does not begin."""
+        """Note a STOP: the job that is being read does not begin."""
         self._stops += 1
 
     def _stop_queue(self):
@@ -131,7 +131,7 @@ class Queue:
         self._machine.beside(lambda: self._look(name), take_job)
 
     def _offer_job(self, name, found):
-        """Begin the next one, or say what it waits for."""
+        """Begin the next job, or show on the pages what it waits for: a tool, a person, a file that has gone."""
         tools = None if is_refusal(found) else found[1]
         if is_refusal(found):
             self._show_state("gone")

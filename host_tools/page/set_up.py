@@ -1,4 +1,4 @@
-"""What a page's set-up has computed for it: a program that faces the work, a map of heights, a job that follows it.
+"""The orders of a page's set-up that the PC computes: a program that faces the work, a height map, a job that follows it.
 
     orders.update(SetUp(machine, store).orders())
 
@@ -78,7 +78,7 @@ class SetUp:
         return error
 
     def _add_touch(self, place):
-        """A touch in work coordinates: one of the map's while its job runs."""
+        """Add a touch to the height map while its job runs. `place`: work coordinates in mm."""
         job = self._machine.job
         if self._grid and job.is_running() and job.name == PROBING and not self._grid.is_whole():
             self._grid.heights.append(place[2])
@@ -97,7 +97,8 @@ class SetUp:
         return SlowOrder(lambda: self._follow_map(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._keep_job("map", *made), name, True)
 
     def _follow_map(self, name, grid):
-        """(name, text) of a second job, which follows `grid`; or why there is none."""
+        """(name, text) of a second job that follows the height map `grid`; if there is none, the number of an error, or an answer that names the
+        line that it cannot change."""
         found, size = "", 1
         while len(found) < size:
             piece = self._store.text_piece(name, len(found))

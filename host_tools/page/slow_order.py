@@ -3,7 +3,7 @@
     return SlowOrder(lambda: store.lines(name), lambda lines: machine.run(name, lines))     # an order's answer
 
 `work()` touches neither the machine nor the pages: a panel has it done beside its loop (server.py), which goes on meanwhile: STOP, leases
-of jogs, lines of a job. Where nothing runs beside, in a browser's tab, it is done at once. `then(result)` returns the answer:
+of jogs, lines of a job. A browser's tab has no thread for it, so there it is done at once. `then(result)` returns the answer:
 0, the number of an error, or a dict. Meanwhile the machine may have begun something else, so `then` checks again whether the order may be carried out.
 """
 
@@ -28,5 +28,5 @@ class SlowOrder:
 
 
 def run_at_once(work, then):
-    """As `beside` of a machine (cable_page.py): where nothing runs beside."""
+    """Do `work` now and call then(its result): a machine's `beside` (cable_page.py) without a thread."""
     then(work())

@@ -28,7 +28,7 @@ class StoredJobs(Job):
         Job.__init__(self, machine)
         self._tell_pages = tell
         self._packed = packed
-        self._kept = None  # "run", "check" or "store": what is under way
+        self._kept = None  # "run", "check" or "store": the task under way
         self._upload = []  # lines that are still to be sent
         self._sent = 0
         self._waiting = False
@@ -63,13 +63,13 @@ class StoredJobs(Job):
         return errors.UNKNOWN_COMMAND
 
     def _tell_list(self, error):
-        """`$F` has been answered; a board without jobs does not know it."""
+        """Send the list of stored jobs to all pages behind the answer to `$F`; an error: the board keeps no jobs."""
         self._tell_pages({"t": "stored", "jobs": None if error else self._found, "free": self._free, "more": self._more})
 
     # --- what the board says
 
     def take_line(self, line):
-        """True if a line in brackets is of stored jobs."""
+        """Take a line in brackets. Returns True if it lists stored jobs."""
         if line[:6] == "[FILE:":
             name, size = line[6:].split("|")[:2]
             self._found.append([name, int(size[5:])])
@@ -191,7 +191,7 @@ class StoredJobs(Job):
         if not self._upload:
             self._finish_job("done", 0)
 
-    # --- what is told
+    # --- the state
 
     def _tell_kept(self, how, error):
         self._machine.state["job"] = {

@@ -12,7 +12,7 @@ seen on the way to each but the first. A PC's finds arcs (host_tools/panel/hand_
 
 from passo import errors
 
-_NEAR_MM = 0.0015  # off the straight line: what three decimals may round
+_NEAR_MM = 0.0015  # off the straight line: more than the rounding to three decimals
 _MOST = 5000  # positions
 _MOST_SEEN = 100_000  # on the way: an hour of motion
 
@@ -27,7 +27,7 @@ class Teach:
         self._lines = []
 
     def count_positions(self):
-        """How many positions have been recorded; −1: it does not record."""
+        """The number of positions recorded; −1: it does not record."""
         return -1 if self._points is None else self._count
 
     def begin(self):
@@ -46,7 +46,7 @@ class Teach:
         return 0
 
     def add_report(self, state):
-        """A report of the machine; what it says at rest is a position."""
+        """Take a report of the machine, a page's state: a position at rest is recorded, positions in motion show the way to it."""
         if self._points is None:
             return
         self._feed = max(self._feed, state.get("feed", 0))
@@ -74,7 +74,7 @@ class Teach:
             self._lines.append("M3" if "S" in self._on else "M4" if "C" in self._on else "M5")
 
     def program_text(self):
-        """The program, and recording ends; or the number of an error."""
+        """End recording and return the program's text, or the number of an error."""
         if self._points is None:
             return errors.NO_SUCH_JOB
         if self._full:
@@ -92,12 +92,12 @@ class Teach:
 
 
 def same_position(one, other):
-    """True if two positions are one, as far as reports tell."""
+    """True if two positions differ by 0.5 µm at most in each axis: reports have three decimals."""
     return max([abs(one[axis] - other[axis]) for axis in range(len(one))]) <= 0.0005
 
 
 def lines_of(points):
-    """G1 lines from points[0] on; what goes on straight is one line."""
+    """G1 lines from points[0] on, positions in mm; moves straight behind one another become one line."""
     kept = points[:1]
     for at in range(1, len(points)):
         if len(kept) > 1 and is_straight(kept[-2], kept[-1], points[at]):
@@ -112,7 +112,7 @@ def line_to(point, before):
 
 
 def is_straight(first, middle, last):
-    """True if the way first → middle → last goes straight on."""
+    """True if `middle` lies between first and last, within _NEAR_MM of the straight line, in mm."""
     way = [last[axis] - first[axis] for axis in range(len(first))]
     part = [middle[axis] - first[axis] for axis in range(len(first))]
     length = sum([each * each for each in way])

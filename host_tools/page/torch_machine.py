@@ -2,7 +2,7 @@
 
     machine = TorchMachine(write, tell, board)      # a checked board file: steps/mm, jogs, default speeds
 
-The language does not answer orders. The board counts what it drops and keeps the reason: that is told as soon as it is known.
+The language does not answer orders. The board counts the frames it drops and keeps the reason: its next report brings both.
 """
 
 from host_tools.clients.torch_wire import TorchWire
