@@ -70,14 +70,14 @@ def test_names_of_machines(cable):
     assert names[0] == "router_3axis" and {"mill_2004", "plotter_2014", "cutter.py"} <= set(names)
     assert not {"router_esp32", "mill_pico_2", "broken.py"} & set(names), "another chip, or no board file"
     assert [what.split(":")[0] for what in known.wrong] == ["broken.py"]
-    assert "router_esp32" in Cable(cable.port, cable.port, "", own, SPEAKING, None).names()
-    assert "cutter.py" not in Cable(cable.port, cable.port, "", own, ("grbl",), None).names()
+    assert "router_esp32" in Cable(cable.port, cable.port, "", own, SPEAKING, None).machine_names()
+    assert "cutter.py" not in Cable(cable.port, cable.port, "", own, ("grbl",), None).machine_names()
     with pytest.raises(Failure, match="speaks on uart0, not on USB: start the panel with that cable's --port, and --prompt"):
         known.change_machine("plotter_2014")
     two = Cable("/dev/ttyUSB0", cable.port, "plotter_2014", own, SPEAKING, lambda *became: done.append(became))
     done = []
-    assert two.change("lpt_router")[0] == "/dev/ttyUSB0" and two.change("mill_2004")[0] == cable.port
-    assert done == [("lpt_router", cable.port), ("mill_2004", cable.port)] and two.names()[0] == "mill_2004"
+    assert two.change_machine("lpt_router")[0] == "/dev/ttyUSB0" and two.change_machine("mill_2004")[0] == cable.port
+    assert done == [("lpt_router", cable.port), ("mill_2004", cable.port)] and two.machine_names()[0] == "mill_2004"
 
 
 def test_the_port_is_handed_over_and_taken_again(cable):
@@ -121,7 +121,7 @@ def test_the_port_is_handed_over_and_taken_again(cable):
     choice = Cable(cable.port, cable.port, "router_3axis", own, SPEAKING, become)
     panel = Panel(
         lambda changed: Port(cable.port, 115_200, changed), own.parent / "jobs", None, "127.0.0.1", "grbl", boards.load("router_3axis"),
-        choice.names(), choice.change,
+        choice.machine_names(), choice.change_machine,
     )  # fmt: skip
     beside(panel, visit)
 
