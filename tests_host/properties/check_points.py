@@ -85,7 +85,7 @@ def check_the_language(seed, chunk):
     for data, wait_ms in parts(random, stream(random, 65535), chunk):
         wanted = [meaning(command) for command in plain.feed(data, now_ms)]
         room.points = []
-        answers = batched.take(data, now_ms)
+        answers = batched.take_batch(data, now_ms)
         room.batch.begun = False
         assert answers == b"n" * len(room.points)
         for _, place, _, _, _ in room.points:

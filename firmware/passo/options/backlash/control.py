@@ -14,10 +14,11 @@ class Queue(StreamQueue):
         self.play_taken = planner.play_taken
 
     def _motor_positions(self):
+        """Return the motors' positions at this moment, in steps; the feeder's array."""
         return self._feeder.found(self._player.played())
 
     def _ask_undisturbed(self, ask):
-        """Return ask(), while no interrupt retires blocks: the block retired last then belongs to the position."""
+        """Return ask(), called while no interrupt retires blocks: the position then belongs to the block retired last."""
         feeder = self._feeder
         fed = feeder.open
         feeder.open = False
@@ -29,12 +30,14 @@ class Queue(StreamQueue):
         self._ask_undisturbed(self._look_at_queue)
 
     def _look_at_queue(self):
+        """Retire the blocks played, take a look (see Queue.look()), and turn the motors' position into that of the axes."""
         played = self._player.played()
         self._feeder.retire(played)
         StreamQueue.look(self, played)
         self._planner.to_axes(self.here)
 
     def _since_start(self):
+        """Return the axes' positions, in steps since power-up."""
         played = self._player.played()
         self._feeder.retire(played)
         return self._planner.to_axes(self._feeder.found(played))
@@ -61,4 +64,5 @@ class Queue(StreamQueue):
         self.settle()
 
     def room(self):
+        """Return how many blocks fit in, one less than the planner says: a line may take two."""
         return max(StreamQueue.room(self) - 1, 0)

@@ -37,9 +37,12 @@ class Planner(planner.Planner):
         self.plays = False  # an axis has play
 
     def follow_motors(self, where):
+        """Call `where()` for the motors' positions, in steps since power-up, whenever they are not known."""
         self._where = where
 
     def limits(self, limits):
+        """Take the limits of the axes, and $160 to $163 in µm, from which the play in steps follows. Each axis stays where it is. Only at a stand.
+        Returns the limits."""
         limits = planner.Planner.limits(self, limits)
         self.plays = False
         for axis in range(self.axes):
@@ -56,7 +59,7 @@ class Planner(planner.Planner):
         return limits
 
     def to_axes(self, motors):
-        """`motors`, where they are as blocks have been retired last, becomes where the axes are."""
+        """Turn `motors`, steps since power-up as of the block retired last, into positions of the axes, in place. Returns it."""
         indices = self.indices
         retired = indices[QUEUE_RETIRED]
         amid = retired != indices[QUEUE_ADDED] and self.plays
@@ -66,19 +69,19 @@ class Planner(planner.Planner):
         return motors
 
     def _play_at(self, at, axis, motor):
-        """Return the play taken up at the motor's position `motor`, in the row whose beginning is _begins[at:]."""
+        """Return the steps of play taken up at the motor's position `motor`, in the row whose beginning is _begins[at:]."""
         taken = self._begins[at + self.axes + axis] + motor - self._begins[at + axis]
         return max(0, min(taken, self._plays[axis]))
 
     def play_taken(self):
-        """Steps of play taken up at the end of the queue, seven bits an axis: 127 is as many, or more."""
+        """Return the steps of play taken up at the end of the queue, seven bits an axis; 127 means 127 or more."""
         found = 0
         for axis in range(self.axes):
             found |= min(self._taken[axis], 127) << 7 * axis
         return found
 
     def stop(self, motors):
-        """The motors have been stopped there, perhaps amid a block, and all that is queued is going to be dropped."""
+        """Note that the motors have stopped at `motors`, perhaps amid a block. The caller drops all that is queued next."""
         indices = self.indices
         retired = indices[QUEUE_RETIRED]
         if retired != indices[QUEUE_ADDED] and self.plays:
@@ -87,10 +90,11 @@ class Planner(planner.Planner):
         self._lost = True
 
     def room(self):
-        """One less: a line may take two blocks."""
+        """Return how many blocks fit in, one less than the base says: a line may take two."""
         return max(planner.Planner.room(self) - 1, 0)
 
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
+        """Note in `_begins` where the motors are, and the play taken up, at the beginning of the row; then add it. See the base."""
         if self.plays:
             if self._lost:
                 self._lost = False
@@ -101,6 +105,8 @@ class Planner(planner.Planner):
         planner.Planner._add(self, at, kind, tool, tag, rapid, first)
 
     def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
+        """Queue a line, as the base does; one that turns an axis round becomes two blocks, of which the first takes up the play. Raises
+        ValueError."""
         if not self.plays or not self._split_reversal(deltas, ticks, speed_nm_s):
             planner.Planner.line(self, deltas, ticks, tool, tag, rapid, speed_nm_s)
             self._note_queued(deltas)
@@ -121,6 +127,7 @@ class Planner(planner.Planner):
             self._note_queued(rest)
 
     def fits(self, deltas, ticks, speed_nm_s):
+        """Raise ValueError if the base would refuse the line, or one of its two parts."""
         if self.plays and self._split_reversal(deltas, ticks, speed_nm_s):
             some, others = self._share_ticks(deltas, ticks)
             planner.Planner.fits(self, self._first, some, speed_nm_s)
@@ -130,7 +137,7 @@ class Planner(planner.Planner):
         planner.Planner.fits(self, deltas, ticks, speed_nm_s)
 
     def _note_queued(self, ways):
-        """A line by `ways` of the motors has been queued."""
+        """Note that a line of `ways`, steps of each motor, has been queued."""
         if self.plays:
             for axis in range(self.axes):
                 way = ways[axis]
@@ -139,7 +146,7 @@ class Planner(planner.Planner):
                     self._taken[axis] = self._plays[axis] if way > 0 else 0
 
     def _split_reversal(self, deltas, ticks, speed_nm_s):
-        """The two parts of a line that turns an axis round, in `_first` and `_rest`; False if it turns none."""
+        """Split a line that turns an axis round into `_first`, in which it takes up the play, and `_rest`. Returns False if it turns none."""
         turned = False
         first, rest = self._first, self._rest
         for axis in range(self.axes):
@@ -161,7 +168,8 @@ class Planner(planner.Planner):
         return True
 
     def _reversal_nm(self, length, ticks, speed_nm_s):
-        """How far along the path, in nm, the play in `_first` is taken up."""
+        """Return the length along the path, nm, in which the play in `_first` may be taken up: the motor then gains no more speed at once than √(8 ·
+        acceleration · junction deviation)."""
         limits = self._limits
         if ticks:
             speed_nm_s = length * TICKS_PER_S // ticks
@@ -175,7 +183,8 @@ class Planner(planner.Planner):
         return most
 
     def _share_ticks(self, deltas, ticks):
-        """How long the two parts last if the line has to last `ticks`, at the same speed as without play."""
+        """Return the ticks of `_first` and of `_rest`, so that the line keeps the speed that it has without play: `ticks` in all; 0, 0 if that is
+        0."""
         if not ticks:
             return 0, 0
         length = self._limits.length(deltas)
@@ -183,6 +192,8 @@ class Planner(planner.Planner):
 
     def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True,
             over_half=None):
+        """Queue an arc, as the base does. Raises ValueError if an axis has play: each quadrant turns an axis round, so the arc has to come as
+        chords."""
         if self.plays:
             raise ValueError("an arc turns axes round: chords")
         planner.Planner.arc(self, deltas, plane, center, tool, clockwise, turns, speed_nm_s, ticks, tag, queued, over_half)

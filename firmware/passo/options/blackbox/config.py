@@ -31,12 +31,12 @@ _PART = 1024
 
 
 def box_head(why):
-    """The first line of a box."""
+    """Return the first line of a box; `why`: alarm, end or reset."""
     return ("passo blackbox 2 %s %s\n" % (sys.platform, why)).encode()
 
 
 def write_box(why, numbers, text, feed=None):
-    """Write a box to flash. `feed`: the watchdog's, between what takes long. Raises OSError."""
+    """Write a box to flash, in place of the older of two. `feed()`: the watchdog's, called once a kilobyte. Raises OSError."""
     for how in (lambda: os.remove(OLD), lambda: os.rename(NAME, OLD)):
         try:
             how()

@@ -100,7 +100,7 @@ class Links(links.Links):
         self._sampled_ms = 0
 
     def join(self, link):
-        """Keep what comes on the link that commands. Asked a second time: nothing is new."""
+        """Begin to record the link that commands. Returns the serial line that the app is to use. A second call changes nothing."""
         if self._link is not None or link.number != self._machine.commander:
             return link.serial
         plain = not hasattr(link.protocol, "sources")
@@ -120,12 +120,13 @@ class Links(links.Links):
         return log if plain else link.serial
 
     def guard(self, handlers):
-        """Real-time bytes are not in the text."""
+        """Wrap the handlers of real-time commands, so that each is recorded: the text has no real-time bytes."""
         for kind in ORDERS:
             if kind in handlers:
                 handlers[kind] = self._with_record(kind, handlers[kind])
 
     def _with_record(self, kind, handler):
+        """Return `handler`, which first records the order `kind`."""
         def record_order(command):
             if command.link is not None and self._log.orders:  # a button has no link, and its input is recorded
                 self._catch_up()  # by which it is understood
@@ -137,6 +138,7 @@ class Links(links.Links):
     # --- rows
 
     def _add_row(self, kind, value):
+        """Write a row, or a sample, over the oldest one. Returns the index of its first number."""
         numbers = self.numbers
         if kind & 0xFF == SAMPLE:
             at = BOX_HEAD + (BOX_ROWS + numbers[BOX_SAMPLED] % BOX_SAMPLES) * BOX_ROW
@@ -152,18 +154,21 @@ class Links(links.Links):
         return at
 
     def _note_come(self):
+        """Write down how many bytes of the text have been taken, and have come. Returns how many have come since the start."""
         numbers = self.numbers
         numbers[BOX_AT] = self._fields[self._at]
         numbers[BOX_END] = self._fields[self._end]
         return numbers[BOX_BASE] + numbers[BOX_END]
 
     def _add_position_row(self, kind, retired=None):
+        """Write a row with the blocks retired and the position, in steps."""
         self._turn = 0  # an alarm may follow, behind which the machine sleeps soon
         at = self._add_row(kind, self._queue.retired() if retired is None else retired) + 5
         found = self._queue.found()
         self.numbers[at : at + len(found)] = found
 
     def _take_snapshot(self):
+        """Write a snapshot over the oldest one: the state by which the next line is understood."""
         machine = self._machine
         numbers = self.numbers
         target = self._queue.target
@@ -186,6 +191,7 @@ class Links(links.Links):
 
     @micropython.native
     def poll_end(self, still):
+        """Look once in _TURNS cycles."""
         turn = self._turn
         if turn:
             self._turn = turn - 1
@@ -194,7 +200,7 @@ class Links(links.Links):
 
     @micropython.native
     def _look_now(self, still):
-        """Do the work of every few cycles: fewer while many bytes come."""
+        """Record what has changed since the last look; write the box to flash _LATER cycles after an alarm, at a stand."""
         machine = self._machine
         if machine.stood != self._stood or machine.homed != self._homed or machine.log.added != self._logged:
             self._record_changes(machine)
@@ -221,23 +227,26 @@ class Links(links.Links):
         self._turn = 0 if much or self._due or machine.dropping or machine.busy_with(commands.HOME) else _TURNS
 
     def _look_at_inputs(self):
+        """Write a row if the inputs' levels have changed."""
         levels = self._levels()
         if levels != self._seen:
             self._seen = levels
             self.numbers[self._add_row(INPUTS, levels & 0xFFFF) + 5] = levels >> 16 & 0xFFFF
 
     def _catch_up(self):
-        """Record what has been so until now."""
+        """Record the inputs and the stand before an order or a halt, so that they come first."""
         self._look_at_inputs()
         self._record_stand()
 
     def _record_stand(self):
+        """Write a row if a hold has come to its stand."""
         if self._machine.stood != self._stood:
             self._stood = self._machine.stood
             if self._stood:
                 self._add_position_row(STOOD)
 
     def _record_changes(self, machine):
+        """Record a stand, a homing that has ended, and new entries of the log. An alarm makes the box due; a failing power has it written at once."""
         self._record_stand()
         if machine.homed != self._homed:
             self._homed = machine.homed
@@ -255,6 +264,7 @@ class Links(links.Links):
                 self.save("alarm")  # at once
 
     def _read_on(self, taken):
+        """Make room in the text if less than _ROOM bytes are left, and take a snapshot. Returns the bytes taken, as the text now counts."""
         numbers = self.numbers
         if taken < self._before:  # the language has made room: the text of before is gone
             numbers[BOX_BASE] += 2 * BOX_TEXT
@@ -267,12 +277,13 @@ class Links(links.Links):
         return taken
 
     def _record_sample(self, machine):
+        """Write a sample: position, state and feed override."""
         overrides = machine.overrides
         state = STATES.index(machine.state) if machine.state in STATES else 0
         self._add_position_row(SAMPLE + 256 * ((overrides[0] if overrides else 100) + 256 * state))
 
     def halt(self):
-        """The pins have stopped. The reason of the stop comes first. A machine that stands, and has heard nothing since, is as it was."""
+        """Record where the pins have stopped, behind the reason of the stop; nothing if the same was recorded last."""
         self._catch_up()
         here = self._note_come(), list(self._queue.found())
         if here != self._halted:
@@ -280,17 +291,18 @@ class Links(links.Links):
             self._add_position_row(HALTED)
 
     def on_events(self, _):
+        """Record that the commands behind a stand are dropped."""
         self._add_position_row(DROPPED, self._retired)
 
     # --- flash
 
     def close(self):
-        """The app ends. A written record stays if nothing has happened since."""
+        """Write the box as the app ends, unless nothing has happened since it was written last."""
         if self.numbers[BOX_ADDED] != self.numbers[BOX_WRITTEN]:
             self.save("end")
 
     def save(self, why):
-        """Write all to flash: only at a stand. `why`: alarm, end or reset."""
+        """Write the box to flash, only at a stand; `why`: alarm, end or reset. If flash or memory is full the box is lost."""
         self._due = 0
         numbers = self.numbers
         self._note_come()
@@ -319,6 +331,7 @@ class Bytes:
         self.fields = array("i", [0])
 
     def read(self):
+        """Read the line below, and append the bytes to the text; a full text begins anew."""
         data = self._read()
         if data:
             end = self.fields[0] + len(data)
@@ -334,4 +347,4 @@ class Bytes:
         text[: self.fields[0]] = memoryview(text)[by : by + self.fields[0]]
 
     def write_state(self, numbers, index):
-        """Nothing more: a packet says all."""
+        """Do nothing: a packet needs no state."""

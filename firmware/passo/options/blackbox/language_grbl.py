@@ -38,6 +38,7 @@ class Log:
         text[: fields[LINES_END]] = memoryview(text)[by : by + fields[LINES_END]]
 
     def write_state(self, numbers, index):
+        """Write FAST + SLOW numbers, by which the parser understands the next line, to numbers[index:]."""
         fields = self._gcode.fields
         known = fields[PARSE_KNOWN]
         numbers[index] = known
@@ -52,6 +53,7 @@ class Log:
             numbers[index + FAST : index + FAST + SLOW] = self._slow
 
     def _write_slow(self, numbers, index):
+        """Write the SLOW numbers, those that few lines change, to numbers[index:]."""
         gcode = self._gcode
         modes = (1 if gcode.inches else 0) | (2 if gcode.absolute else 0) | (4 if gcode.per_minute else 0) | (8 if gcode.initial else 0)
         modes |= gcode.cycle[0] << 4 | gcode.spindle << 6 | gcode.system << 9

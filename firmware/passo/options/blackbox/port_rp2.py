@@ -25,7 +25,7 @@ def save_left_box(write, first, second, size, text_bytes, added, written):
 
 
 def _find_box(memory, tail, front):
-    """Return the offset of `front` followed by `tail`, a sequence that is nowhere else here; -1: there is none."""
+    """Return the offset of `front` followed by `tail`, a sequence that memory has once; -1 if it has none."""
     at = memory.find(tail)
     while at >= 0 and memory[at - len(front) : at] != front:
         at = memory.find(tail, at + 1)

@@ -40,11 +40,12 @@ class CardStore(JobStore):
     _ends = (".job", ".alt")
 
     def _read_first_line(self, name):
+        """Return (whether it is a job, its parsed first line or None). Removes an upload that was cut off."""
         _, state, head = self._counting_file(name, True)
         return state != _TORN, head  # a folder counts as damaged, too
 
     def _counting_file(self, name, tidy=False):
-        """(path, state, first line) of the file that counts for a job; `tidy`: remove an upload that was cut off."""
+        """Return (path, state, first line) of the file that counts for a job. `tidy`: remove an upload that was cut off."""
         path = self._folder + name + self._ends[1]
         other = self._other_file(path)
         state, head = _file_state(path)
@@ -55,27 +56,33 @@ class CardStore(JobStore):
         return (path, state, head) if state and state >= there else (other, there, first)
 
     def _job_path(self, name):
+        """Return the path of the file that counts."""
         return self._counting_file(name)[0]
 
     def open(self, name, language=None):
+        """Return a JobFile, see JobStore.open(). Raises OSError if there is no whole file of that name."""
         path, state, _ = self._counting_file(name)
         if state == _TORN:
             raise OSError(2)
         return self._open_job(path, language)
 
     def delete_job(self, name):
+        """Remove both files of a job, the one that counts first. Raises OSError."""
         path = self._job_path(name)
         os.remove(path)
         self._remove_file(self._other_file(path))
 
     def _other_file(self, path):
+        """Return the path of a job's second file."""
         return path[:-4] + self._ends[path.endswith(self._ends[0])]
 
     def _upload_path(self, name):
+        """Return the path that an upload goes to: the file that does not count."""
         path, state, _ = self._counting_file(name)
         return self._other_file(path) if state == _COUNTS else path
 
     def commit_upload(self):
+        """Write the byte by which the upload counts, then remove the other file. Raises OSError."""
         path = self._upload
         with open(path, "ab") as file:
             file.write(END_MARK)

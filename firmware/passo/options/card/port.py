@@ -22,6 +22,7 @@ class Select:
         self._feed = feed
 
     def init(self, mode, value):
+        """Do as machine.Pin.init(), which the driver calls once."""
         self._pin.init(mode, value=value)
 
     def __call__(self, level):
@@ -38,6 +39,7 @@ class MemoryCard:
         self._select = Select(config["cs"], port.feed_watchdog)
 
     def mount(self):
+        """Mount the card that is in now, at `path`. 0.1 s, up to a few seconds. Raises OSError, ImportError."""
         from sdcard import SDCard
 
         try:

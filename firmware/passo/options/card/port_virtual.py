@@ -6,6 +6,7 @@ class VirtualCard:
     inside = True
 
     def mount(self):
+        """Raise OSError if the test has taken the card out."""
         if not self.inside:
             raise OSError("no SD card")
 

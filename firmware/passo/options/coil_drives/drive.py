@@ -32,7 +32,7 @@ class CoilDrive:
         self.unpowered(0)
 
     def levels_off(self):
-        """The levels of all motors without current."""
+        """Return the levels of all motors without current."""
         levels = 0
         for axis in range(self.axes):
             levels |= self._off << axis * self.width
@@ -40,6 +40,7 @@ class CoilDrive:
 
     @staticmethod
     def _levels_by_phase(table, backwards):
+        """Return a motor's table as bytes, for one that runs backwards in reverse order."""
         return bytes([table[-phase % len(table)] for phase in range(len(table))]) if backwards else bytes(table)
 
     @micropython.native
@@ -53,18 +54,20 @@ class CoilDrive:
         self._tables = b"".join(self._tables_in_force(self._table))
 
     def _tables_in_force(self, tables):
+        """Return the axes' tables, with the levels without current for those of _unpowered."""
         off = bytes([self._off] * (self._last + 1))
         return [off if self._unpowered >> axis & 1 else tables[axis] for axis in range(self.axes)]
 
     def levels(self):
-        """The levels that hold all motors where they are, at running current."""
+        """Return the levels that hold all motors where they are, at running current."""
         return self._levels_in(self._table)
 
     def levels_at_rest(self):
-        """The levels that hold all motors where they are, at standstill current."""
+        """Return the levels that hold all motors where they are, at standstill current."""
         return self._levels_in(self._hold)
 
     def _levels_in(self, tables):
+        """Return the levels of all motors at their phases in `tables`."""
         tables = self._tables_in_force(tables)
         levels = 0
         for axis in range(self.axes):
@@ -72,7 +75,7 @@ class CoilDrive:
         return levels
 
     def seek(self, position):
-        """Stand at the phases that belong to `position` (steps since power-up)."""
+        """Take the phases that belong to `position`, steps since power-up of each axis."""
         for axis in range(self.axes):
             self._phase[axis] = position[axis] & self._last
 
@@ -82,7 +85,7 @@ class CoilDrive:
         return tally(words, mask, word, until, self.axes, self.width, self._last, self._live, self._off, position)
 
     def step_between(self, axis, before, after):
-        """Steps (−1, 0, +1) between two neighbouring words' levels."""
+        """Return the step of an axis between the levels of two neighbouring words: −1, 0 or +1."""
         shift = axis * self.width
         before = before >> shift & self._mask
         after = after >> shift & self._mask
@@ -93,7 +96,7 @@ class CoilDrive:
 
 
 def of_board(board, pins, table, off, hold=None):
-    """The CoilDrive of a checked board's motors; `pins`: names of a motor's, the rest as CoilDrive has it."""
+    """Return the CoilDrive of a checked board's motors. `pins`: names of one motor's, lowest bit first; `table`, `off`, `hold`: as of CoilDrive."""
     backwards = 0
     axes = board["axes"]
     for axis in range(len(axes)):

@@ -6,18 +6,19 @@ RULES = {}
 
 
 def allow_kind(rules, kind):
-    """`drive.kind` may be `kind`."""
+    """Add `kind` to the values that `drive.kind` may have."""
     rules["drive"] = dict(rules["drive"])
     rules["drive"]["kind"] += (kind,)
 
 
 def use_drive(board, module, pins):
-    """Each motor has `pins` pins, whose levels what create() of `module` returns makes."""
+    """Give each motor `pins` pins; create(board) of `module` returns the drive."""
     board["additions"].drive_module = module
     board["additions"].motor_pins = pins
 
 
 def check_mode(board, modes):
+    """Raise BoardError if `drive.mode` is none of `modes`."""
     drive = board["drive"]
     if drive["mode"] not in modes:
         raise BoardError("drive.mode: %r is none of %s, those of %s" % (drive["mode"], ", ".join(modes), drive["kind"]))

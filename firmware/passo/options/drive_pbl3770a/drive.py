@@ -35,11 +35,12 @@ _STEPS = {"full": (8, 4), "half": (4, 0), "quarter": (2, 0), "eighth": (1, 0)}  
 
 
 def _winding_levels(current, forward):
+    """Return the three levels of a winding: PH, I0, I1. Without current PH stays low."""
     return current | _FORWARD if forward and current != NO_CURRENT else current
 
 
 def _phase_table(quarter, step, first):
-    """Levels of an electrical turn: each of its quarters turns the one before it by 90°, A and B → −B and A."""
+    """Return the levels of an electrical turn, a byte a phase. Each quarter turns the one before it by 90°: A and B become −B and A."""
     table = []
     for eighth in range(first, 32, step):
         a, b = quarter[eighth & 7]
@@ -56,5 +57,6 @@ OFF = NO_CURRENT | NO_CURRENT << 3
 
 
 def create(board):
+    """Return the CoilDrive of a checked board."""
     mode = board["drive"]["mode"]
     return of_board(board, PINS, MODES[mode], OFF, HOLD[mode])

@@ -13,4 +13,5 @@ OFF = 0
 
 
 def create(board):
+    """Return the CoilDrive of a checked board."""
     return of_board(board, PINS, MODES[board["drive"]["mode"]], OFF)

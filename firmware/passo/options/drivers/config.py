@@ -35,7 +35,7 @@ MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)  # by MRES
 
 
 def telegram_crc(data):
-    """CRC-8 of polynomial 7, low bits first."""
+    """Return the CRC-8 of a telegram, polynomial 7, low bits first (datasheet TMC2209 rev. 1.09, 4.2)."""
     found = 0
     for byte in data:
         for _ in range(8):
@@ -45,6 +45,7 @@ def telegram_crc(data):
 
 
 def make_telegram(address, register, number=None):
+    """Return the bytes that ask driver `address` for a register, or write `number` to it."""
     data = bytearray((_SYNC, address, register))
     if number is not None:
         data[2] |= WRITES
@@ -55,14 +56,15 @@ def make_telegram(address, register, number=None):
 
 
 def reply_value(reply, register):
+    """Return the register's 32 bits in a reply of eight bytes; None if it is not whole, or of another register."""
     if len(reply) != 8 or reply[0] != _SYNC or reply[1] != MASTER or reply[2] != register or telegram_crc(reply[:7]) != reply[7]:
         return None
     return reply[3] << 24 | reply[4] << 16 | reply[5] << 8 | reply[6]
 
 
 def current_scale(current_ma, sense_mohm, full_mv=325):
-    """(vsense, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for these resistors, which have `full_mv`
-    across them at full scale, and 180 with vsense."""
+    """Return (vsense, current scale 0 … 31), next below a motor's current in mA RMS; None if that is too much for the resistors. `full_mv`: the
+    voltage across them at full scale; with vsense it is 180 (datasheet, 9)."""
     for vsense, most_mv in ((1, 180), (0, full_mv)):
         scaled = current_ma * (sense_mohm + 20) * 45255 // (most_mv * 1_000_000)  # 32·√2
         if scaled <= 32:
@@ -71,7 +73,7 @@ def current_scale(current_ma, sense_mohm, full_mv=325):
 
 
 def register_rows(driver, sense_mohm):
-    """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
+    """Return [(register, value)] for a driver of the board file. Only the last two can be read back."""
     vsense, run = current_scale(driver["current_ma"], sense_mohm)
     hold = run * driver["hold_percent"] // 100
     return (

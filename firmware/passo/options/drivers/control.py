@@ -42,13 +42,14 @@ class Motors(Feature):
         self._begin_set_up()
 
     def _open_line(self, config):
+        """Open the UART, and compute the registers of each driver."""
         line = dict(config)
         line["name"] = "drivers"
         self._line = self._machine.port.serial(line)
         self._registers = [chip.register_rows(motor, config["sense_mohm"]) for motor in self._motors]
 
     def _begin_set_up(self):
-        """Set all up anew."""
+        """Begin to set all drivers up anew."""
         self._set = 0  # how many are
         self._number = 0  # of the driver that is asked
         self._stage = 0
@@ -58,12 +59,14 @@ class Motors(Feature):
         self._reply = b""
 
     def ready(self):
+        """Return whether all drivers have confirmed their set-up: before, no word may be played."""
         return self._set == len(self._motors)
 
     def report(self, report):
         report["drives"] = self._text
 
     def look(self, now_ms):
+        """Go on with the drivers, unless an alarm of theirs holds; once it is unlocked set them up anew."""
         if self._failed:
             if self._machine.alarm == self._failed:
                 return
@@ -72,6 +75,7 @@ class Motors(Feature):
         self._poll_driver(now_ms)
 
     def _poll_driver(self, now_ms):
+        """Read the reply that is awaited, or send the next request once it is due."""
         if self._register >= 0:
             self._read_reply(now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
@@ -80,6 +84,7 @@ class Motors(Feature):
     # --- telegrams
 
     def _send_request(self, now_ms):
+        """Send the telegrams of this stage; the last one asks for a register."""
         self._line.read()  # bytes that no request asked for
         address = self._motors[self._number]["address"]
         stage = self._stage
@@ -99,6 +104,7 @@ class Motors(Feature):
         self._due_ms = now_ms + _WAIT_MS + self._sent // 4
 
     def _read_reply(self, now_ms):
+        """Take a whole reply. After _WAIT_MS without one ask again; after ASKS requests raise an alarm."""
         self._reply += bytes(self._line.read())
         found = chip.reply_value(self._reply[-_REPLY:], self._register)
         if found is not None and len(self._reply) in (_REPLY, _REPLY + self._sent):
@@ -115,6 +121,7 @@ class Motors(Feature):
                 self._stage = 1  # they may have been taken: count anew
 
     def _take_reply(self, found, now_ms):
+        """Compare the register `found` with the one expected at this stage: go on to the next stage, or raise an alarm."""
         if self._set == len(self._motors):
             if self._stage:
                 self._judge_status(found, now_ms)
@@ -138,14 +145,14 @@ class Motors(Feature):
                 self._number = self._set % len(self._motors)
 
     def _check_power(self, state):
-        """1 if GSTAT says that the power has not failed; else raise the alarm, and return 0."""
+        """Return 1 if GSTAT says that the power has not failed. Else raise the alarm, and return 0."""
         if state & (chip.RESET | chip.UNDERVOLTAGE):
             self._raise_alarm(errors.ALARM_DRIVER_POWER, "reset" if state & chip.RESET else "undervoltage")
             return 0
         return 1
 
     def _judge_status(self, found, now_ms):
-        """DRV_STATUS of a driver that is set up."""
+        """Raise an alarm if DRV_STATUS says short or overheated; show hot and open coils in reports; go on to the next driver."""
         if found & (chip.OVERHEATED | chip.SHORTED):
             self._raise_alarm(errors.ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
             return
@@ -161,6 +168,7 @@ class Motors(Feature):
         self._due_ms = now_ms + PERIOD_MS // len(self._motors)
 
     def _raise_alarm(self, number, why):
+        """Raise an alarm of the driver that is asked. All have to be set up anew behind it."""
         self._failed = number
         self._set = 0
         self._machine.raise_alarm(number, "driver of %s: %s" % (self._motors[self._number]["axis"], why))

@@ -30,13 +30,15 @@ class Motors(drives.Motors):
         drives.Motors.__init__(self, board, machine, queue)
 
     def on_events(self, what):
-        """Homing begins."""
+        """Have the drivers feel from here on: homing begins."""
         self._asked = True
 
     def ready(self):
+        """Return whether all drivers are set up, for feeling or not, as homing wants."""
         return self._asked == self._feels and drives.Motors.ready(self)
 
     def look(self, now_ms):
+        """Set the drivers up anew as homing begins, and as it ends; see the base."""
         if self._asked and not self._machine.busy_with(commands.HOME):
             self._asked = False
         if self._asked != self._feels and self._register < 0:
@@ -46,7 +48,7 @@ class Motors(drives.Motors):
         drives.Motors.look(self, now_ms)
 
     def _check_stuck(self):
-        """Raise an alarm if a driver that feels nothing yet says so."""
+        """Return True, and raise an alarm, if the DIAG pin of a driver that has no threshold yet is active."""
         machine = self._machine
         for axis in self._stalls:
             if machine.inputs.read(self._sensors[axis]):
@@ -57,6 +59,7 @@ class Motors(drives.Motors):
         return False
 
     def _begin_set_up(self):
+        """Compute the registers, with the current and threshold for feeling or without, and begin to set all up."""
         # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
         self._kept = self._set == len(self._motors)
         self._registers = []
@@ -70,6 +73,6 @@ class Motors(drives.Motors):
         drives.Motors._begin_set_up(self)
 
     def _register_rows(self, motor, feels):
-        """Return the rows of chip.registers(), and those for feeling: registers that can be read back are the last."""
+        """Return the rows of chip.register_rows() and those for feeling; the two that can be read back stay the last."""
         rows = chip.register_rows(motor, self._config["sense_mohm"])
         return rows[:-2] + ((_SGTHRS, motor["stall"] if feels else 0), (TCOOLTHRS, SLOWEST if feels else 0)) + rows[-2:]

@@ -40,6 +40,7 @@ class StallSensor(Sensor):
     late = False
 
     def sample(self, now_ms, position):
+        """Take a sample; see Sensor. Nothing counts within `blind` steps of `start`."""
         if abs(position - self.start) < self.blind:
             self.restart(now_ms, False)
             return
@@ -50,11 +51,12 @@ class StallSensor(Sensor):
             self.late = True
 
     def arm(self, on):
+        """Let the pin's interrupt stop the player, or not."""
         if self._latch:
             self._latch.arm(on)
 
     def note_stop(self, queue, axis):
-        """Its interrupt has stopped the player."""
+        """Take over the edge, in steps, at which the pin's interrupt has stopped the player."""
         edge = queue.axis(axis, self._latch)
         self.restart(self.last_ms, True)
         self.edge = edge
@@ -75,11 +77,13 @@ class Homing(homing.Homing):
         homing.Homing.__init__(self, board, machine, queue)
 
     def _sensors(self, number):
+        """Return the sensors of an axis: of one that is felt its motors' DIAG pins, of CoreXY's X and Y those of both motors."""
         if number not in self._full:
             return homing.Homing._sensors(self, number)
         return [self._make_feeler(motor, number) for motor in ((0, 1) if self._shared and number < 2 else (number,))]
 
     def _make_feeler(self, motor, axis):
+        """Return the StallSensor of a motor for homing `axis`."""
         name = self._config["sensors"][self._axes[motor]["name"]]
         feeler = self._sensor(name, axis, StallSensor)
         feeler.full = self._full[axis]
@@ -87,6 +91,7 @@ class Homing(homing.Homing):
         return feeler
 
     def _home(self, command):
+        """Do HOME; on CoreXY X and Y home together."""
         if self._shared and command.value & _AXES:
             command.value |= _AXES
         return homing.Homing._home(self, command)
@@ -96,7 +101,7 @@ class Homing(homing.Homing):
         homing.Homing._begin(self, now_ms)
 
     def _active_feelers(self):
-        """[(axis, sensor)] of the axes that home now and are felt."""
+        """Return [(axis, sensor)] of the axes that home now and are felt."""
         found = []
         if self._machine.busy_with(commands.HOME) and not self._lifting:
             at = self._stage // len(self._phases)
@@ -105,7 +110,7 @@ class Homing(homing.Homing):
         return found
 
     def claim_stop(self, name):
-        """The interrupt of a DIAG pin has stopped the axis that homes."""
+        """Take over a stop by the interrupt of a DIAG pin, if that is of the axis that homes; the rest of its way is dropped."""
         for axis, sensor in self._active_feelers():
             if sensor.input == name:
                 sensor.note_stop(self._queue, axis)
@@ -114,17 +119,19 @@ class Homing(homing.Homing):
         return False
 
     def on_events(self, what):
+        """See the base; no interrupt of a DIAG pin stops the player from here on."""
         homing.Homing.on_events(self, what)
         for _, sensor in self._active_feelers():
             sensor.arm(False)
 
     def _go_on(self, now_ms):
+        """Go on to the next phase, see the base. Return ALARM_SENSOR_STUCK once twenty attempts cannot bring enough places that agree."""
         if self._located + self._enough - self._agree > _MOST or len(self._groups) > _ROUNDS:
             return errors.ALARM_SENSOR_STUCK
         return homing.Homing._go_on(self, now_ms)
 
     def _set_blind(self, seeker, steps):
-        """`steps` of the way that begins do not count."""
+        """Ignore the DIAG pins for the first `steps` of the way that begins."""
         for sensor in seeker.sensors:
             sensor.start = self._queue.axis(seeker.axis)
             sensor.blind = steps
@@ -133,6 +140,7 @@ class Homing(homing.Homing):
             sensor.arm(False)
 
     def _leave(self, seeker):
+        """Phase 1: back off, at least 16 full steps, so that the rotor is free."""
         if seeker.axis not in self._full:
             homing.Homing._leave(self, seeker)
             return
@@ -144,16 +152,18 @@ class Homing(homing.Homing):
         self._back_away(seeker, seeker.pull_off_steps)
 
     def _back_away(self, seeker, steps):
-        """Away from the end, whatever the driver says meanwhile."""
+        """Move `steps` away from the end, whatever the driver says meanwhile."""
         self.way(seeker, steps, seeker.seek_steps_s)
         self._set_blind(seeker, abs(steps) + 1)
 
     def _seek(self, seeker):
+        """Phases 2 and 4: to the end, at the speed for which the threshold was found."""
         homing.Homing._seek(self, seeker)
         if seeker.axis in self._full:
             self._set_blind(seeker, seeker.pull_off_steps // 2)
 
     def _pull_off(self, seeker):
+        """Phases 3 and 5: judge the place where it stalled, then pull off from there. Goes back to phase 3 until enough places agree."""
         homing.Homing._pull_off(self, seeker)
         if seeker.axis not in self._full:
             return
@@ -184,6 +194,7 @@ class Homing(homing.Homing):
         self._back_away(seeker, seeker.pull_off_steps + beyond)
 
     def _locate(self, seeker):
+        """Phase 4: to the end again."""
         if seeker.axis not in self._full:
             homing.Homing._locate(self, seeker)
             return

@@ -49,12 +49,14 @@ def check(board):
 
 
 def want_step_dir(board):
+    """Raise BoardError unless the drive is STEP/DIR."""
     if board["drive"]["kind"] != "step_dir":
         raise BoardError("drivers: they want a step_dir drive")
 
 
 def check_motors(board, key, unique, current_scale):
-    """Check the drivers of section `key`. `unique`: keys of a driver whose values differ; `scale`: None for a current that is too high."""
+    """Check the drivers of section `key`. `unique`: keys whose values differ from driver to driver; current_scale(mA) returns None for a current that
+    is too high. Raises BoardError."""
     config = board["additions"].drives = board[key]
     names = [axis["name"] for axis in board["axes"]]
     for each in unique:
@@ -73,7 +75,7 @@ def check_motors(board, key, unique, current_scale):
 
 
 def check_stalls(board, feel, key):
-    """Have axes home by stall. `feel`: the drivers that do; `key`: that of the board file."""
+    """Have axes home by stall. `feel`: the drivers that do; `key`: that of the board file. Raises BoardError."""
     board["additions"].stalls = "".join([motor["axis"] for motor in feel])
     board["additions"].features["homing"] = "passo.options.drivers.control_stall_homing", "Homing"
     homing = board["homing"]

@@ -51,6 +51,7 @@ class EncoderWatch(Feature):
         return {commands.ZERO_COUNTS: self._zero_counts}
 
     def _zero_counts(self, command):
+        """Do ZERO_COUNTS: the counts shown begin at 0."""
         self._encoders.zero_counts()
         return self._machine.accepted(command)
 
@@ -59,6 +60,7 @@ class EncoderWatch(Feature):
         report["counts"] = ",".join([str(encoders.count_of(number)) for number in range(len(encoders.names))])
 
     def halt(self):
+        """Note that the position will be that of the encoders, once the motors have settled."""
         if not self._homing:
             if not self._halted:
                 self._homed = self._machine.homed
@@ -67,6 +69,7 @@ class EncoderWatch(Feature):
         self._note_move()
 
     def claim_stop(self, name):
+        """Raise alarm 230 if the encoders have stopped the player. A gantry's lag is the gantry's affair."""
         if name != self._encoders.name or self._encoders.lagging:  # a gantry sees to that
             return False
         beyond = self._encoders.beyond
@@ -74,7 +77,7 @@ class EncoderWatch(Feature):
         return True
 
     def _raise_alarm(self, missing):
-        """Tell how many steps each of these motors has turned too many, negative: too few, and where the machine is."""
+        """Raise alarm 230: the log says how many steps each of the motors `missing` has turned too many, and where the machine is."""
         encoders = self._encoders
         said = []
         for number in missing:
@@ -87,11 +90,12 @@ class EncoderWatch(Feature):
         self._known = 0
 
     def _note_move(self):
+        """Note that counts are not exact yet: the machine moves, or has just moved."""
         self._settled = False
         self._checks = self._encoders.checks
 
     def _look_at_indexes(self):
-        """Note an index pulse that is too far from whole turns, once. A late interrupt moves it by up to 100 µs of counts, so a 32nd of a turn is allowed."""
+        """Log an index pulse that is more than a 32nd of a turn from whole turns, once. A late interrupt moves it by up to 100 µs of counts."""
         for index in self._encoders.indexes:
             off = index.counts_off()
             if abs(off) > index.turn // 32:
@@ -99,6 +103,7 @@ class EncoderWatch(Feature):
                 index.accept_last()
 
     def look(self, now_ms):
+        """Arm the check of following errors while that may halt; at rest, settle_ms behind the last step, act on the counts."""
         machine = self._machine
         if self._encoders.indexes:
             self._look_at_indexes()
@@ -124,7 +129,7 @@ class EncoderWatch(Feature):
         self._act_at_rest()
 
     def _act_at_rest(self):
-        """Act at a stand, when the encoders' counts are exact."""
+        """Act on the following errors at a stand, when the counts are exact: verify after a halt, follow without current, or make up."""
         encoders = self._encoders
         off = [encoders.steps_beyond(number) for number in range(len(encoders.names))]
         if self._halted:
@@ -139,7 +144,7 @@ class EncoderWatch(Feature):
         self._settled = True
 
     def _verify_position(self, off):
-        """Behind a halt: this is where the machine is."""
+        """Take over the encoders' position behind a halt. A machine that was homed still is, if each of its axes has an encoder."""
         machine = self._machine
         self._halted = False
         if any(off):
@@ -152,13 +157,14 @@ class EncoderWatch(Feature):
             machine.homed = self._homed
 
     def _follow_encoders(self, off):
-        """The machine stands where the encoders say."""
+        """Shift the position by `off`, steps of each motor."""
         for number in range(len(off)):
             if off[number] and number != self._second:
                 self._account_for(number, off[number])
         self._queue.settle()
 
     def _account_for(self, number, steps):
+        """Shift an axis's position by `steps`, and count them as no error any more; of a gantry for both motors, so that the lag stays."""
         encoders = self._encoders
         self._queue.shift(encoders.axis_of(number), steps)
         encoders.account_for(number, steps)
@@ -167,7 +173,7 @@ class EncoderWatch(Feature):
         self._checks = encoders.checks
 
     def _make_up(self, off):
-        """Steps are missing at the end of a move. False if that is to be seen to later."""
+        """Queue the steps that are missing at the end of a move. Returns False if a gantry has to be squared first."""
         machine = self._machine
         if machine.alarm or machine.hold or machine.command is not None:
             return True
@@ -196,11 +202,12 @@ class EncoderWatch(Feature):
         return True
 
     def _note_steps(self, number, off):
+        """Log event `number` with the error of each motor, in steps."""
         names = self._encoders.names
         self._machine.note(number, " ".join(["%s %+d" % (names[n], off[n]) for n in range(len(off)) if off[n]]))
 
     def _correction_speed(self, axis):
-        """A tenth of the axis's fastest, steps/s."""
+        """Return a tenth of the axis's highest speed, steps/s, at least 1."""
         settings = self._machine.settings
         steps_s = settings.value(table.STEPS + axis) * settings.value(table.SPEED + axis) // 600_000_000
         return max(steps_s, 1)

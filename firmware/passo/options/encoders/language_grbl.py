@@ -10,11 +10,12 @@ def extend(protocol, board):
 
 
 def count_anew(machine, text):
+    """Return the command of `$ENC=0`, or the number of an error."""
     return [Command(ZERO_COUNTS)] if text == "0" else errors.STATEMENT
 
 
 def counts_report(machine, text):
-    """A line an encoder: motor, counts, steps turned beyond those stepped, the largest such error so far."""
+    """Return the answer to `$ENC`, a line an encoder: motor, counts, steps turned beyond those stepped, the largest such error so far."""
     if text:
         return errors.STATEMENT
     command = Command(HELLO)

@@ -24,6 +24,7 @@ from passo.options.encoders.steps_viper import (
 
 
 def _common_divisor(a, b):
+    """Return the greatest common divisor of two integers (Euclid)."""
     while b:
         a, b = b, a % b
     return a
@@ -42,6 +43,7 @@ class Index:
 
     @micropython.native
     def on_edge(self, pin):  # ISR: no allocation
+        """Keep the count at this pulse. Called in the pin's interrupt."""
         encoders = self._encoders
         encoders.read(encoders.counts)
         self._last = encoders.counts[self.number]
@@ -50,14 +52,14 @@ class Index:
         self.seen = (self.seen + 1) & COUNT_MASK
 
     def counts_off(self):
-        """Counts by which the last pulse is not whole turns from the first."""
+        """Return by how many counts the last pulse is not whole turns from the first."""
         off = (self._last - self._first) & COUNT_MASK
         if off > COUNT_MASK // 2:
             off -= COUNT_MASK + 1
         return (off + self.turn // 2) % self.turn - self.turn // 2
 
     def accept_last(self):
-        """Whole turns count from the last pulse on."""
+        """Count whole turns from the last pulse on."""
         self._first = self._last
 
 
@@ -102,13 +104,13 @@ class Encoders:
         self.indexes = []  # Index of those that have one
 
     def add_index(self, number, name):
-        """The Index of an encoder, whose pulse comes on input `name`: on_edge() is for the port to call."""
+        """Return a new Index of an encoder, whose pulse comes on input `name`. The port calls its on_edge()."""
         entry = Index(self, number, name)
         self.indexes.append(entry)
         return entry
 
     def watch_indexes(self, board, inputs):
-        """On a chip: each index pulse's edge has an interrupt. `inputs`: the port's {name: Input}."""
+        """On a chip: have the edge of each index pulse call on_edge() in its interrupt. `inputs`: the port's {name: Input}."""
         from machine import Pin
 
         for number in range(len(board["encoders"])):
@@ -119,7 +121,7 @@ class Encoders:
                 self._port.watch(item.pin, self.add_index(number, name).on_edge, edge)
 
     def join(self, feeder, player):
-        """Compare with the steps of `player`. Called once, before anything is played."""
+        """Compare with the steps of `player` from here on. Called once, before anything is played."""
         self._follower = Follower(feeder)
         self._player = player
 
@@ -127,6 +129,8 @@ class Encoders:
 
     @micropython.native
     def check(self):  # ISR: no allocation
+        """Compare counts and steps; halt the player if it is armed and an error, or a gantry's lag, is beyond its limit. 0.41 ms at most on an
+        RP2040."""
         if self._player is None:
             return
         follower = self._follower
@@ -154,6 +158,7 @@ class Encoders:
     # --- main loop
 
     def arm(self, on):
+        """Let errors beyond their limits halt the player, or not."""
         self.armed = on
 
     def steps_beyond(self, number):
@@ -168,34 +173,35 @@ class Encoders:
         return (2 * lag + num) // (2 * num)
 
     def account_for(self, number, steps):
-        """`steps` of a motor's error are accounted for, from the next check on."""
+        """Take `steps` off a motor's error, from the next check on."""
         at = number * FOLLOW_FIELDS
         self.table[at + FOLLOW_SHIFT] = -steps * self.table[at + FOLLOW_NUM]
 
     def clear_error(self, number):
-        """A motor's error is none, from the next check on."""
+        """Make a motor's error 0, from the next check on."""
         at = number * FOLLOW_FIELDS
         self.table[at + FOLLOW_SHIFT] = -self.table[at + FOLLOW_ERROR]
 
     def exempt_motor(self, number, off):
-        """The axis's steps are not this motor's. Only at a stand, behind a check."""
+        """Ignore the axis's steps for this motor, or not. Only at a stand, behind a check."""
         self.table[number * FOLLOW_FIELDS + FOLLOW_OFF] = 1 if off else 0
 
     def axis_of(self, number):
+        """Return the number of a motor's axis."""
         return self.table[number * FOLLOW_FIELDS + FOLLOW_AXIS]
 
     def count_of(self, number):
-        """Counts since the start, or since zero_counts()."""
+        """Return the counts since the start, or since zero_counts()."""
         return self.table[number * FOLLOW_FIELDS + FOLLOW_TOTAL] - self._zeros[number]
 
     def zero_counts(self):
-        """The counts shown begin at 0."""
+        """Let the counts shown, and the largest errors, begin at 0."""
         for number in range(len(self.names)):
             at = number * FOLLOW_FIELDS
             self._zeros[number] = self.table[at + FOLLOW_TOTAL]
             self.table[at + FOLLOW_MOST] = 0
 
     def largest_error(self, number):
-        """The largest following error since zero_counts(), steps."""
+        """Return the largest following error since zero_counts(), in steps."""
         at = number * FOLLOW_FIELDS
         return self.table[at + FOLLOW_MOST] // self.table[at + FOLLOW_NUM]

@@ -25,6 +25,7 @@ class PinEncoder:
 
     @micropython.native
     def on_edge(self, pin):  # ISR: no allocation
+        """Count an edge of A or B. Called in their interrupts: 20 µs on an RP2040, up to 100 on an ESP32."""
         now = self._a.value() | self._b.value() << 1
         change = _CHANGES[self._was << 2 | now]
         self._was = now
@@ -34,6 +35,7 @@ class PinEncoder:
             self.count = (self.count - 1) & COUNT_MASK
 
     def close(self):
+        """Switch the interrupts off."""
         self._a.irq(None)
         self._b.irq(None)
 
@@ -45,6 +47,7 @@ class PinEncoders(Encoders):
         self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation
+        """Write the counts, modulo 2²⁹, to `counts`."""
         for number in range(len(counts)):
             counts[number] = self._each[number].count
 

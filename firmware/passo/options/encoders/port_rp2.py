@@ -100,7 +100,7 @@ def create(board, port, inputs, outputs):
 
 @micropython.viper
 def _read_counts(counts: ptr32, machines: int):
-    """The counts, modulo 2²⁹. A FIFO holds four old ones: these are thrown away, the next is fresh."""
+    """Write the counts, modulo 2²⁹, to `counts`. A FIFO holds four old ones, which are thrown away; the next is fresh."""
     block = ptr32(0x50300000)
     number = 0
     while number < machines:

@@ -20,6 +20,7 @@ class VirtualEncoders(Encoders):
                 self._watch_index(world, self.add_index(number, name), levels[name])
 
     def _watch_index(self, world, index, active):
+        """Have the world call on_edge() at each active edge of an index's input."""
         world.listen(lambda tick, name, level: name == index.name and level == active and index.on_edge(None))
 
     def read(self, counts):
@@ -27,7 +28,7 @@ class VirtualEncoders(Encoders):
             counts[number] = self._encoder(number) & COUNT_MASK
 
     def run(self, tick):
-        """Check, if it is time."""
+        """Check, if CHECK_TICKS have passed."""
         if tick >= self.due:
             self.due = tick + CHECK_TICKS
             self.check()

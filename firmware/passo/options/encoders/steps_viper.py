@@ -33,13 +33,14 @@ FOLLOW_FIELDS = const(12)
 
 @micropython.viper
 def to_signed(count: int) -> int:  # ISR: no allocation
-    """A difference modulo 2²⁹, as the nearest to 0 that it may be."""
+    """Return a difference modulo 2²⁹ as the value nearest to 0."""
     count &= COUNT_MASK
     return count - COUNT_MASK - 1 if count >= COUNT_HALF else count
 
 
 @micropython.viper
 def follow_steps(table: ptr32, encoders: int, counts: ptr32, position: ptr32, after: ptr32) -> int:  # ISR: no allocation
+    """Add what has changed since the last check to each encoder's error. Returns the mask of those whose error is beyond its limit. See above."""
     beyond = 0
     number = 0
     at = 0
@@ -88,7 +89,7 @@ class Follower:
 
     @micropython.native
     def find_position(self, played, position):  # ISR: no allocation
-        """`position`: the position when `played` words have appeared on the pins."""
+        """Write the axes' positions to `position`, as `played` words have appeared on the pins."""
         word = self._marks[find(self._state, self._marks, played, position) + MARK_WORD]
         if (played - word) & COUNT_MASK < COUNT_HALF:
             self.add_steps(word, played, position)

@@ -55,26 +55,32 @@ class GantryWatch(Feature):
         self._squaring = machine.squaring = Squaring(board, queue) if section["sensor"] else None
 
     def on_events(self, what):
+        """Let both motors step again, after a homing that ended early."""
         if self._squaring:
             self._squaring.use_both()
 
     def ready(self):
+        """Return whether words may be played: no single step is under way."""
         return not self._phase
 
     def busy(self):
+        """Return whether a move waits for the lag, or a single step is under way."""
         return self._waiting or self._phase > 0
 
     def halt(self):
+        """Forget the wait and the step under way."""
         self._waiting = False
         self._phase = self._tries = 0
 
     def claim_stop(self, name):
+        """Raise alarm 231 if the encoders have stopped the player for the lag."""
         if not self._pair or name != self._encoders.name or not self._encoders.lagging:
             return False
         self._raise_alarm()
         return True
 
     def _raise_alarm(self):
+        """Raise alarm 231: the log has both counts, the lag and the lags taken away since homing, in steps."""
         encoders = self._encoders
         counts = ["%s %d" % (name, encoders.count_of(number)) for name, number in zip(self._motors, self._pair)]
         who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag_steps())
@@ -84,6 +90,7 @@ class GantryWatch(Feature):
         self._machine.notice(errors.NOTICE_GANTRY, who)
 
     def look(self, now_ms):
+        """Hold a move whose lag has reached wait_steps; at a stand take the lag away, step by step. See above."""
         if not self._pair:
             return
         machine = self._machine
@@ -117,12 +124,12 @@ class GantryWatch(Feature):
                     queue.hold(False)
 
     def _note_stand(self, now_ms):
-        """From here on it may be still."""
+        """Note when, and at which check of the encoders, the machine may have come to rest."""
         self._stood_ms = now_ms
         self._checks = self._encoders.checks
 
     def _begin_squaring(self, lag):
-        """Step the motor that is further off, alone."""
+        """Begin to step the motor that is further off, alone, `lag` steps. Raises alarm 231 beyond limit_steps, or if the interlock forbids it."""
         self._tries += 1
         if self._tries > _SQUARINGS or abs(self._taken + lag) > self._limit_steps or abs(lag) > self._limit_steps:
             self._raise_alarm()
@@ -141,6 +148,7 @@ class GantryWatch(Feature):
         self._phase = _TURN
 
     def _step_alone(self, now_ms):
+        """Write the next level of a single step, one a cycle: DIR, STEP high, STEP low."""
         phase = self._phase
         step, direction = self._feeder.drive.pin_masks(self._motor)
         levels = self._queue.pins(self._queue.lit()) & ~direction

@@ -25,15 +25,16 @@ class Squaring:
         self._stood = 0  # the position of the first side to trip
 
     def make_phases(self, homing):
+        """Return the phases that replace those of `homing` once a sensor has tripped."""
         self._homing = homing
         return self._seek_other_side, self._pull_off_both, self._square_up
 
     def use_both(self):
-        """Both motors step again."""
+        """Let both motors step again."""
         self._drive.use_motors(3)
 
     def _seek_other_side(self, seeker):
-        """The side that has not tripped goes on alone."""
+        """Move the side that has not tripped alone to its sensor, rack_steps at most."""
         homing = self._homing
         if seeker.axis != self.axis:
             seeker.done = True
@@ -46,7 +47,7 @@ class Squaring:
         homing.way(seeker, -self._rack_steps, seeker.locate_steps_s)
 
     def _pull_off_both(self, seeker):
-        """Both go away from their sensors, by the lesser of their two ways."""
+        """Move both sides away from their sensors, by the lesser of their two ways."""
         homing = self._homing
         homing.until(None)
         if seeker.axis != self.axis:
@@ -67,6 +68,7 @@ class Squaring:
         homing.way(seeker, less, seeker.seek_steps_s)
 
     def _square_up(self, seeker):
+        """Move the side that has more to go alone by the rest of its way."""
         homing = self._homing
         homing.until(None)
         if seeker.axis != self.axis:

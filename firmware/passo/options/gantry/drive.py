@@ -16,11 +16,11 @@ class GantryDrive:
         self._motors = 3
 
     def use_motors(self, motors):
-        """Mask of the motors that step in all words made from now on."""
+        """Let only the motors of this mask step in all words made from now on: 1 the first, 2 the second."""
         self._motors = motors
 
     def pin_masks(self, motor):
-        """(step, direction) of motor 0 or 1, as masks of the pins."""
+        """Return (step, direction) of motor 0 or 1, as masks of the pins."""
         bit = 1 << (self._axes if motor else self._axis)
         return bit, bit << self._axes + 1
 
@@ -35,17 +35,18 @@ class GantryDrive:
         return tally(words, mask, word, until, self._axes, self._axis, position)
 
     def levels(self):
-        """The pins before the first word."""
+        """Return the pins' levels before the first word: 0."""
         return 0
 
     def directions(self, word):
-        """The directions of a word as it was played, in the step form."""
+        """Return the directions of a word as it was played, in the step form."""
         axes = self._axes
         return (word >> axes + 1 & (1 << axes) - 1) << axes
 
     def seek(self, position):
-        """Nothing: these motors have no phase here."""
+        """Do nothing: these motors have no phase here."""
 
 
 def create(board):
+    """Return the GantryDrive of a checked board."""
     return GantryDrive(len(board["axes"]), board["additions"].more_motors[0]["axis"])

@@ -56,15 +56,15 @@ class Independent(Feature):
         }
 
     def owns_axes(self):
-        """True from a RUN to the stand behind it."""
+        """Return True from a RUN to the stand behind it."""
         return self._command is not None
 
     def steps_made(self):
-        """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
+        """Return the signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
         return [((now - then + COUNT_HALF) & COUNT_MASK) - COUNT_HALF for now, then in zip(self._queue.position(), self._from)]
 
     def on_events(self, _=WORK_GONE):
-        """All motion has ended, or has been dropped."""
+        """Forget the RUN and the jog: all motion has ended, or has been dropped. All motors get their current back."""
         self._command = self._jog = None
         self._off = 0
         self._switch_off()
@@ -73,8 +73,8 @@ class Independent(Feature):
         report["made"] = self.steps_made()
 
     def poll(self, now_ms):
-        """Notices the end, and tells who asked last. An axis that is to have no current keeps it until its rotor is at rest: by the
-        words, which are made as far ahead as its last step was, or once these have ended."""
+        """Notice the end of all motion, and report it to the link of the last RUN. An axis that is to have no current keeps it for _SETTLE_MS behind
+        its last step."""
         if self._command is None:
             return
         self._machine.awake = True
@@ -92,7 +92,7 @@ class Independent(Feature):
         self._machine.tell(Event(FINISHED, command))
 
     def _switch_off(self):
-        """Take the current from the axes that shall have none and are at rest, and give it back to the others."""
+        """Take the current from the axes of _off at rest, and give it back to the others."""
         now_ms = self._machine.port.machine_ms()
         unpowered = 0
         for axis in range(len(self._axes)):
@@ -105,13 +105,14 @@ class Independent(Feature):
             self._machine.motors.unpowered(unpowered)
 
     def is_turning(self, axis):
-        """True while steps of an axis are to come."""
+        """Return True while steps of an axis are to come."""
         return self.walker.steps_to_go(axis) != 0
 
     # --- commands
 
     @micropython.native
     def _begin_run(self, command):
+        """Do RUN: check it as a whole, then start its axes. Returns an error, LATER, or 0."""
         machine = self._machine
         error = machine.unready()
         if error:
@@ -145,7 +146,7 @@ class Independent(Feature):
         return machine.accepted(command)
 
     def _may_join(self, command):
-        """True if `command` may come while a RUN is under way."""
+        """Return True if `command` may come while a RUN is under way."""
         machine = self._machine
         if machine.hold or machine.dropping:
             return False
@@ -154,10 +155,11 @@ class Independent(Feature):
         return command.when == commands.AS_JOG and self._jog == self._directions_of(command)
 
     def _directions_of(self, command):
+        """Return each axis's direction: True forward, False back, None for an axis that the command does not name."""
         return [steps > 0 if steps else None for steps in command.steps]
 
     def _steps_to_add(self, axis, command):
-        """The steps that a jog adds to one under way."""
+        """Return the signed steps that a jog adds to the one under way: no more than jog.ahead_ms ahead of the pins."""
         steps = command.steps[axis]
         ahead = abs(self._queue.target[axis] - self._queue.found()[axis])
         if not ahead:
@@ -168,7 +170,7 @@ class Independent(Feature):
 
     @micropython.native
     def _step_interval(self, axis, rate):
-        """Whole ticks between the steps of `rate`, which is (steps, milliseconds); 0 if the axis cannot."""
+        """Return the whole ticks between two steps at `rate`, (steps, milliseconds); 0 if that is faster than the axis may go, or too slow."""
         steps, ms = rate
         if steps < 1 or ms < 1 or steps * 1000 > self._fastest[axis] * ms:
             return 0
@@ -177,7 +179,7 @@ class Independent(Feature):
 
     @micropython.native
     def _is_reachable(self, axis, steps, limited):
-        """False if soft limits (`limited`) forbid it, or it is too far to be counted."""
+        """Return False if soft limits (`limited`) forbid the steps, or they are too many to be counted."""
         endless = abs(steps) == FOREVER
         if not endless and abs(steps) > MOST_STEPS - (max(self.walker.steps_to_go(axis), 0) if self._command else 0):
             return False
@@ -190,10 +192,12 @@ class Independent(Feature):
 
     @micropython.native
     def _turns_round(self, axis, steps):
+        """Return True if the steps lead against those to come."""
         return self.walker.steps_to_go(axis) and self.walker.counts_down(axis) != (steps < 0)
 
     @micropython.native
     def _start_axes(self, command, intervals):
+        """Set each axis of a RUN going, `intervals` ticks a step (None: it runs on), and queue the walker if it is not."""
         machine = self._machine
         walker = self.walker
         target = self._queue.target
@@ -230,7 +234,7 @@ class Independent(Feature):
             self._queue.run(walker)
 
     def _set_limits(self):
-        """Take the axes' limits from the settings, where these have changed."""
+        """Take the axes' highest speeds and accelerations from the settings, if these have changed."""
         settings = self._machine.settings
         if self._limits_of == settings.version:
             return
@@ -243,6 +247,7 @@ class Independent(Feature):
                 self.walker.set_limits(axis, fastest, max(acceleration, 1))
 
     def _stop_axes(self, command):
+        """Do REST: stop the axes of the mask; those of `unpowered` lose their current at rest."""
         for axis in range(len(self._axes)):
             if command.value >> axis & 1 and not self.walker.is_at_rest(axis):
                 self.walker.stop(axis)
@@ -252,6 +257,7 @@ class Independent(Feature):
         return self._machine.accepted(command)
 
     def _keep_jogs(self, command):
+        """Do STILL: keep the jogs in the settings; only at a stand."""
         machine = self._machine
         if machine.state not in _STANDING or not self._queue.still():
             return errors.BUSY
@@ -260,6 +266,7 @@ class Independent(Feature):
         return machine.accepted(command)
 
     def _set_zero(self, command):
+        """Do ZERO: the position becomes 0; only at a stand of a machine that is not homed."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED

@@ -61,7 +61,7 @@ class IndependentAxes:
     # --- asking: main loop only
 
     def set_limits(self, axis, fastest, acceleration):
-        """From now on the axis takes at most `fastest` steps/s and `acceleration` steps/s² (0: any). Only at a stand."""
+        """Limit the axis to `fastest` steps/s and `acceleration` steps/s² from now on (0: no ramps). Only at a stand."""
         if not acceleration:
             self._put_field(axis, AXIS_GAIN, 0)
             return
@@ -75,9 +75,8 @@ class IndependentAxes:
     def run_axis(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
         """Run `axis` for `steps` (≥ 0 or ENDLESS), a step every each + rest/over ticks (each ≥ 2 · least, < 2²⁹).
 
-        `add`: on top of those to come, which are of the same direction; else in the place of those. To add 0 changes the rate from the
-        next step on. Raises ValueError.
-        """
+        `add`: on top of the steps to come, which have the same direction; else in place of them. To add 0 changes the rate from the next step on.
+        Raises ValueError."""
         togo = self.steps_to_go(axis) if add else 0
         if togo == ENDLESS and steps:
             add = False
@@ -106,14 +105,14 @@ class IndependentAxes:
             state[at + AXIS_ASKED] = (state[at + AXIS_ASKED] + steps) & COUNT_MASK
 
     def stop(self, axis):
-        """No step more than it takes to slow down."""
+        """Stop the axis, with no more steps than it takes to slow down."""
         self._put_field(axis, AXIS_NEW, 0)
         self._put_field(axis, AXIS_NEW_BASE, self._get_field(axis, AXIS_ASKED))
         self._put_field(axis, AXIS_NEW_ENDLESS, 0)
         self._put_field(axis, AXIS_NEW, 1)
 
     def start(self):
-        """It is about to be queued."""
+        """Note that a block with this walker is about to be queued."""
         self.running = True
 
     def clear(self):
@@ -127,7 +126,7 @@ class IndependentAxes:
 
     @micropython.native
     def steps_to_go(self, axis):
-        """Steps still to come of an axis; ENDLESS: no end."""
+        """Return the steps still to come of an axis; ENDLESS if there is no end."""
         if self._get_field(axis, AXIS_NEW_ENDLESS):
             return ENDLESS
         base = self._get_field(axis, AXIS_NEW_BASE)
@@ -138,22 +137,22 @@ class IndependentAxes:
         return self._get_field(axis, AXIS_TO_GO) + ((self._get_field(axis, AXIS_ASKED) - self._get_field(axis, AXIS_TAKEN)) & COUNT_MASK)
 
     def counts_down(self, axis):
-        """True if the axis was last asked to count down."""
+        """Return True if the axis was last asked to count down."""
         return bool(self._get_field(axis, AXIS_NEW_NEGATIVE))
 
     def is_at_rest(self, axis):
-        """True if no step of the axis is to come, nor has been asked for."""
+        """Return True if no step of the axis is to come, nor has been asked for."""
         togo, asked = self._get_field(axis, AXIS_TO_GO), self._get_field(axis, AXIS_ASKED)
         return not togo and not self._get_field(axis, AXIS_NEW) and asked == self._get_field(axis, AXIS_TAKEN)
 
     # --- the next segment: may run in an interrupt
 
     def ready(self):  # ISR: no allocation
-        """True unless there may be more later but is none now."""
+        """Return True: this walker never waits for more."""
         return True
 
     def active(self):  # ISR: no allocation
-        """True while an axis has steps to come, or its last step's interval still runs."""
+        """Return True while an axis has steps to come, or its last step's interval still runs."""
         state = self._state
         for axis in range(self.axes):
             at = INDEPENDENT_AXIS + axis * AXIS_FIELDS
@@ -164,14 +163,14 @@ class IndependentAxes:
         return False
 
     def ends(self):  # ISR: no allocation
-        """True, once, when nothing is active: whatever is asked from then on needs a new block."""
+        """Return True, once, when nothing is active any more; a later request needs a new block."""
         if self.active():
             return False
         self.running = False
         return True
 
     def rolling(self):  # ISR: no allocation
-        """True while an axis would have to slow down before it can stand."""
+        """Return True while an axis would have to slow down before it can stand."""
         for axis in range(self.axes):
             if self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + AXIS_Q]:
                 return True

@@ -17,7 +17,7 @@ FAR = const(0x1FFFFFFF)  # ticks: no step is due as late as this
 
 @micropython.viper
 def square_root(q: int, near: int) -> int:  # ISR: no allocation
-    """√q, rounded down; `near`: a guess above 0."""
+    """Return √q, rounded down, by Newton's method; `near`: a guess above 0."""
     if q < 1:
         return 0
     better = (near + q // near) >> 1
@@ -31,7 +31,7 @@ def square_root(q: int, near: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def take_request(state: ptr32, at: int):  # ISR: no allocation
-    """Take up what has been asked of the axis whose numbers begin at state[at]."""
+    """Take over the request for the axis whose numbers begin at state[at]. If it turns round at speed, let it stand first."""
     q = state[at + AXIS_Q]
     gain = state[at + AXIS_GAIN]
     if state[at + AXIS_NEW]:
@@ -69,7 +69,7 @@ def take_request(state: ptr32, at: int):  # ISR: no allocation
 
 @micropython.viper
 def steady_ticks(state: ptr32, at: int) -> int:  # ISR: no allocation
-    """Ticks from the step just made to the next one, of an axis that does not accelerate."""
+    """Return the ticks from the step just made to the next one, of an axis that does not accelerate."""
     carry = state[at + AXIS_CARRY] + state[at + AXIS_REST]
     ticks = state[at + AXIS_EACH]
     if carry >= state[at + AXIS_OVER]:
@@ -81,7 +81,7 @@ def steady_ticks(state: ptr32, at: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def step_ticks(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
-    """Ticks from the step just made to the next one, `togo` being left."""
+    """Return the ticks from the step just made to the next one, with `togo` steps left, on the ramp or beside it. The method stands in motion.py."""
     gain = state[at + AXIS_GAIN]
     if gain:
         q = state[at + AXIS_Q]

@@ -40,10 +40,12 @@ class Pendant(Feature):
         self._own = False  # the jog under way is this one's
 
     def _make_sensor(self, name):
+        """Return a debounced Sensor of an input."""
         read = self._machine.inputs.read
         return Sensor(lambda: read(name), self._machine.settings.value(table.HOMING_DEBOUNCE))
 
     def look(self, now_ms):
+        """Read the buttons; queue pieces of the jog, or cancel it as they change."""
         wanted = [0] * len(self._wanted)
         for axis, sign, sensor in self._buttons:
             sensor.sample(now_ms, 0)
@@ -67,7 +69,7 @@ class Pendant(Feature):
             self._dead = True
 
     def _go_on(self, wanted):
-        """Queue pieces until enough is queued."""
+        """Queue pieces until _AHEAD_MS of motion are queued."""
         speeds = self._jog_speeds()
         here = self._queue.position()
         for _ in range(_AHEAD_MS // _PIECE_MS):
@@ -79,7 +81,7 @@ class Pendant(Feature):
                 return
 
     def _queue_piece(self, wanted, speeds, end):
-        """Queue a piece from `end` on. False if there is none."""
+        """Queue a piece of _PIECE_MS from `end` on, within the travel. Returns False if there is none."""
         machine = self._machine
         target = [end[axis] + wanted[axis] * max(speeds[axis] * _PIECE_MS // 1000, 1) for axis in range(len(wanted))]
         if machine.homed:
@@ -99,7 +101,7 @@ class Pendant(Feature):
         return True
 
     def _jog_speeds(self):
-        """Steps a second of each axis."""
+        """Return the speed of each axis in steps/s, with the fast button the highest that the settings allow."""
         if self._fast is None or not self._fast.active:
             return self._slow
         settings = self._machine.settings

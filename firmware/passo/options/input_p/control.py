@@ -42,6 +42,7 @@ class Inputs(Feature):
         report["found"] = self._found
 
     def _begin_wait(self, command):
+        """Do M66: check it, and begin to wait. Returns the number of an error, or 0."""
         machine = self._machine
         name = "p%d" % command.value
         if name not in self._names or not 0 <= command.power < _WAYS or command.power and command.feed <= 0:
@@ -57,6 +58,7 @@ class Inputs(Feature):
         return 0
 
     def poll_command(self, now_ms):
+        """End the wait if the input is as wanted, or the time is over. In a hold neither counts."""
         machine = self._machine
         if not machine.busy_with(commands.CODE + 66):
             return

@@ -51,7 +51,7 @@ class InterlockWatch(Feature):
         machine.log.pins = self.pin_rows
 
     def ready(self):
-        """True if words may be played: no halting input is active. Asked before the first of them."""
+        """Return True if words may be played: no input that halts is active. Asked before the first of them."""
         self._exempt_sensors()
         for name in self._halting:
             if self._port.input(name):
@@ -59,6 +59,7 @@ class InterlockWatch(Feature):
         return True
 
     def _exempt_sensors(self):
+        """Let the sensors of a homing or a probing under way forbid nothing, and all others again."""
         machine = self._machine
         exempt = 0
         if machine.command is not None:
@@ -69,12 +70,14 @@ class InterlockWatch(Feature):
         self._interlock.exempt_inputs(exempt)
 
     def claim_stop(self, name):
+        """Raise an alarm if an input of the interlock has stopped the player; limits and inputs that halt have one of their own."""
         if name not in self._names or self._interlock.has_own_alarm(name):
             return False
         self._machine.raise_alarm(errors.ALARM_INTERLOCK, name)
         return True
 
     def look(self, now_ms):
+        """Do the main loop's part once a cycle: exempt sensors, changed inputs, lost outputs, outputs to switch on. See above."""
         interlock = self._interlock
         self._exempt_sensors()
         if interlock.states != self._states:
@@ -112,7 +115,7 @@ class InterlockWatch(Feature):
             number += 1
 
     def _note_changes(self, now_ms):
-        """Inputs have changed, as the interlock has them."""
+        """Note when inputs have become active, and how long they were, by the interlock's states."""
         self._calm = False
         changed = self._interlock.states ^ self._states
         self._states ^= changed
@@ -127,7 +130,8 @@ class InterlockWatch(Feature):
         self._rest_ms = now_ms
 
     def _report_lost(self):
-        """Outputs have been switched off, or were asked for in vain."""
+        """Log the outputs that have been switched off, or were asked for in vain, with the input to blame. A vital one raises an alarm, and the
+        position is lost."""
         machine = self._machine
         interlock = self._interlock
         lost = interlock.take_lost()
@@ -145,7 +149,7 @@ class InterlockWatch(Feature):
                 machine.note(errors.INTERLOCKED, blamed)
 
     def _grant_unasked(self, now_ms):
-        """Outputs that rows switch on though this board does not ask: only at rest, inputs and machine."""
+        """Switch on the outputs that the equations switch on by themselves, once inputs and machine have been at rest for unasked_ms."""
         if not self._calm or not self._queue.still() or self._machine.alarm:
             self._rest_ms = now_ms
             return
@@ -164,9 +168,8 @@ class InterlockWatch(Feature):
         report["forbids"] = self._told
 
     def pin_rows(self):
-        """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was active; −1: it
-        still is)] of the inputs that have any of these.
-        """
+        """Return [(name, active, how often it stopped the machine, glitches, ms when it last became active, ms it was active; −1: it still is)] of
+        the inputs with any of these."""
         interlock = self._interlock
         found = []
         for number in range(len(self._names)):

@@ -19,7 +19,7 @@ from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS, INTERLOCK_TOO
 
 
 def parse_row(text, where="row"):
-    """[{name: True or False}], one dict a product. Raises BoardError."""
+    """Return the products of a row, [{name: wanted}]. `where`: the row's path, for errors. Raises BoardError."""
     if not isinstance(text, str):
         raise BoardError("%s: a sum of products is wanted, not %r" % (where, text))
     products = []
@@ -41,7 +41,7 @@ def parse_row(text, where="row"):
 
 
 def gate_bits(board):
-    """{name: bit} of all that may be gated: x+ x- …, tool, outputs."""
+    """Return {name: bit} of all that may be gated: x+, x- …, tool, outputs."""
     bits = {}
     for number, axis in enumerate(board["axes"]):
         bits[axis["name"] + "+"] = 1 << 2 * number
@@ -74,12 +74,12 @@ class _Names:
         return ("on", meaning) if meaning in self.bits and meaning[-1] not in "+-" else None
 
     def request_of(self, name):
-        """The same of a name in a row."""
+        """Return the request that a name in a row means: (kind, its name); None if it means an input."""
         meaning = self.signals.get(name)
         return meaning and self._request_of_meaning(meaning)
 
     def input_number(self, name, where):
-        """The number of the input that a name means."""
+        """Return the number of the input that a name means. Raises BoardError."""
         name = self.signals.get(name, name)
         if name not in self.inputs:
             raise BoardError("%s: %s is neither an input nor one of interlock.signals or interlock.elsewhere" % (where, name))
@@ -87,7 +87,7 @@ class _Names:
 
 
 def _input_masks(products, names, wanted, where):
-    """[(care, value)] over the inputs, of a row in which the board asks for `wanted`: {(kind, name): bool}."""
+    """Return a row's products as [(care, value)] over the inputs; `wanted`: {(kind, name): bool}, the requests of the board."""
     found = []
     for product in products:
         care = value = 0
@@ -109,7 +109,7 @@ def _input_masks(products, names, wanted, where):
 
 
 def _both_allow(first, second):
-    """The products of two sums."""
+    """Return the product of two sums of products."""
     found = []
     for care, value in first:
         found += [(care | other, value | wanted) for other, wanted in second if not (value ^ wanted) & care & other]
@@ -117,7 +117,7 @@ def _both_allow(first, second):
 
 
 def _drop_covered(products):
-    """Without those that another one covers."""
+    """Return the products without those that another one covers."""
     found = []
     for care, value in products:
         wider = [row for row in products if row != (care, value) and row[0] & care == row[0] and value & row[0] == row[1]]
@@ -149,8 +149,8 @@ def _gate_targets(name, products, names):
 
 
 def compile_rows(board):
-    """{"table", "unasked", "rise", "fall", "limits"}: see steps_viper.py for the tables; `rise` and `fall` are the inputs
-    whose becoming active, or inactive, may forbid something; `limits` those that interlock.limits names."""
+    """Return {"table", "unasked", "rise", "fall", "limits"} of a board file's interlock. The tables: see steps_viper.py; `rise` and `fall`: masks of
+    the inputs whose becoming active, or inactive, may forbid something; `limits`: mask of the inputs in interlock.limits. Raises BoardError."""
     section = board["interlock"]
     names = _Names(board)
     allowed = {}  # by name: when it may be
@@ -194,6 +194,7 @@ def compile_rows(board):
 
 
 def _check_inputs(board, used):
+    """Raise BoardError if the rows gate nothing, or a filter is on an input that they do not name."""
     if not used:
         raise BoardError("interlock: its rows gate nothing")
     for number, item in enumerate(board["inputs"]):
@@ -204,7 +205,7 @@ def _check_inputs(board, used):
 
 
 def _make_table(sums, bits):
-    """[how many products, mask of all bits, then care, value, bits of each]."""
+    """Return a table: how many products, mask of all bits, then care, value and bits of each."""
     products = {}
     every = 0
     for name, when in sums.items():

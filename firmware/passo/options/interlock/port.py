@@ -52,7 +52,7 @@ class Interlock:
         self.playing = None  # reads the words made, and stops them: all at once, for an interrupt that has no time to look
 
     def join(self, feeder, player):
-        """From here on nothing is played that is forbidden. Called once, before anything is."""
+        """Play nothing that is forbidden from here on. Called once, before anything is played."""
         self._state = feeder.state
         self._segments = feeder.marks
         self._player = player
@@ -65,7 +65,7 @@ class Interlock:
 
     @micropython.native
     def start(self):  # ISR: no allocation
-        """The player's start(): of words that have been looked at."""
+        """Start the player, unless its words are forbidden: then stop it."""
         forbidden = self.denied
         if forbidden and find_ahead(self._state, self._segments, self._played(), forbidden):
             self._trip()
@@ -74,7 +74,7 @@ class Interlock:
 
     @micropython.native
     def take_change(self, number, active):  # ISR: no allocation
-        """Input `number` is `active`, and has been for long enough."""
+        """Take over that input `number` is `active`, and has been for its filter's time."""
         if active:
             self.states |= 1 << number
         else:
@@ -83,7 +83,7 @@ class Interlock:
 
     @micropython.native
     def update_denied(self):  # ISR: no allocation
-        """Decide which steps and outputs are forbidden now, and whether the player has to stop."""
+        """Update the forbidden bits; switch off outputs that are not allowed any more, and stop the player if a forbidden step lies ahead."""
         exempt = self.exempt
         forbidden = find_denied(self.table, self.states & ~exempt | self.fall & exempt)
         self.denied = forbidden
@@ -109,13 +109,14 @@ class Interlock:
 
     @micropython.native
     def _trip(self):  # ISR: no allocation
+        """Tell the port that the interlock has stopped the player, and why."""
         self._wrong = find_ahead(self._state, self._segments, self._played(), self.denied) or self.denied & INTERLOCK_TOOL
         self._wrong_states = self.states
         self._port.trip(self)
 
     @micropython.native
     def note_halt(self, item):  # ISR: no allocation
-        """A halting input, one of `items`, has stopped the player already."""
+        """Take over a halting input, one of `items`, that has stopped the player already."""
         number = 0
         while self.items[number] is not item:
             number += 1
@@ -137,7 +138,7 @@ class Interlock:
         """Lock out interrupts until unlock() of the value returned."""
 
     def unlock(self, state):
-        """Interrupts may come again."""
+        """Let interrupts come again; `state`: the value of lock()."""
 
     def settle_input(self, number, active):
         """Call take_change() from the main loop, with the interrupts locked out."""
@@ -147,7 +148,7 @@ class Interlock:
 
     @property
     def name(self):
-        """The input that the last halt was for."""
+        """Name of the input that the last halt was for. Reading it counts the halt."""
         number = self.input_to_blame(self._wrong, self._wrong_states)
         self.trips[number] += 1
         return self._names[number]
@@ -173,7 +174,7 @@ class Interlock:
         return bool(self._limits >> self._names.index(name) & 1)
 
     def exempt_inputs(self, inputs):
-        """The inputs of a mask forbid nothing from now on, others do again."""
+        """Let the inputs of a mask forbid nothing from now on, and all others again."""
         if inputs != self.exempt:
             state = self.lock()
             self.exempt = inputs
@@ -181,7 +182,7 @@ class Interlock:
             self.unlock(state)
 
     def take_lost(self):
-        """Mask of the outputs that have been switched off, or were asked for in vain, since the last call."""
+        """Return the mask of the outputs that have been switched off, or were asked for in vain, since the last call."""
         state = self.lock()
         lost = self.lost
         self.lost = 0
@@ -189,12 +190,12 @@ class Interlock:
         return lost
 
     def read(self, states):
-        """Believe the inputs as they are: at the start."""
+        """Take over the inputs' states as they are, at the start."""
         self.states = states
         self.update_denied()
 
     def refusal_mask(self, steps, tool):
-        """Return the forbidden part of a motion: `steps` of each axis (None: none), `tool` on."""
+        """Return the forbidden bits of a motion, 0 if it is allowed: `steps` of each axis (None: none), `tool` on."""
         wanted = INTERLOCK_TOOL if tool else 0
         for axis in range(len(steps)):
             if steps[axis]:
@@ -202,7 +203,7 @@ class Interlock:
         return self.denied & wanted
 
     def output(self, name, on):
-        """Ask for an output, or no longer: its pin follows if it is allowed."""
+        """Ask for an output, or no longer; its pin follows if it is allowed."""
         bit = INTERLOCK_OUTPUTS << self._outputs.index(name)
         state = self.lock()
         if on and not self.denied & bit:
@@ -216,7 +217,7 @@ class Interlock:
         self.unlock(state)
 
     def outputs_to_grant(self):
-        """Mask of the outputs that the equations switch on though the board does not ask."""
+        """Return the mask of the outputs that the equations switch on though the board does not ask."""
         return self._unasked[PERMIT_GATED] & ~find_denied(self._unasked, self.states) & ~self.denied
 
     def grant_outputs(self, mask):

@@ -37,7 +37,7 @@ class PinInterlock(Interlock):
                 self.watches[number] = PinWatch(self.items[number], number, self, port)
 
     def read_pins(self):
-        """The inputs as they are at the pins, a bit each: 1 active."""
+        """Return the inputs at the pins, a bit each: 1 active."""
         states = 0
         bit = 1
         for item in self.items:
@@ -48,7 +48,7 @@ class PinInterlock(Interlock):
 
     @micropython.native
     def is_tool_on(self):  # ISR: no allocation
-        """True while the tool's pin is on."""
+        """Return True while the tool's pin is on."""
         return self._tool.value() == self._on
 
     @micropython.native
@@ -62,7 +62,7 @@ class PinInterlock(Interlock):
     unlock = staticmethod(enable_irq)
 
     def close(self):
-        """No interrupts any more."""
+        """Switch the interrupts of the inputs off."""
         for item in self.items:
             if item.pin is not None:
                 item.pin.irq(None)
@@ -85,6 +85,7 @@ class PinWatch(Latch):
 
     @micropython.native
     def on_edge(self, pin):  # ISR: no allocation
+        """Wait until the edge has lasted filter_us; then stop the player if a step that it forbids lies ahead. Called in the pin's interrupt."""
         begun = ticks_us()
         value = pin.value()
         interlock, number, bit, level, rise, fall, filter_us, table = self._all

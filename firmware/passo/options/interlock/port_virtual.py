@@ -21,11 +21,13 @@ class VirtualInterlock(Interlock, VirtualInputs):
         self.read(self.read_pins())
 
     def join(self, feeder, player):
+        """See both bases; from here on the tool's level is known."""
         Interlock.join(self, feeder, player)
         VirtualInputs.join(self, feeder, player)
         self._tool = feeder.layout.tool_mask
 
     def run(self, tick):
+        """Run the world up to a tick, and take changes that have lasted their filters' times."""
         self._world.run(tick)
         if not self._hears:
             raw = self._read_world(tick)
@@ -37,11 +39,12 @@ class VirtualInterlock(Interlock, VirtualInputs):
     # --- inputs
 
     def on_change(self, tick, name, level):
-        """The world says that an input has changed."""
+        """Take an input's new level, which the world reports at its tick."""
         number = self._names.index(name)
         self._take_change(tick, number, 1 if level == self._levels[number] else 0)
 
     def _take_change(self, tick, number, active):
+        """Begin or end the filter's time of an input."""
         self._let(tick)
         if active == self.states >> number & 1:
             if self._due.pop(number, None) is not None:
@@ -55,9 +58,11 @@ class VirtualInterlock(Interlock, VirtualInputs):
             self.take_change(key, active)
 
     def read_pins(self):
+        """See PinInterlock; of the world at this tick."""
         return self._read_world(self._port.now)
 
     def _read_world(self, tick):
+        """Return the inputs of the world at a tick, a bit each: 1 active."""
         states = 0
         for number in range(len(self._names)):
             if self._world.input(tick, self._names[number]) == self._levels[number]:
@@ -67,9 +72,11 @@ class VirtualInterlock(Interlock, VirtualInputs):
     # --- outputs
 
     def is_tool_on(self):
+        """See PinInterlock."""
         return bool(self._player.levels() & self._tool)
 
     def put_outputs(self, mask, on):
+        """See PinInterlock; the world gets the levels at this tick."""
         tick = max(self._port.now, self._player.now) if self._player is not None else self._port.now
         bit = INTERLOCK_OUTPUTS
         for name, off in self._offs:

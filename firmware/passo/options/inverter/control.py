@@ -71,6 +71,7 @@ class Inverter(SpindleSpeed):
         self._asks = _OUTPUT  # the topic of the next request
 
     def look(self, now_ms):
+        """Read a reply, or send the next request; raise an alarm if the spindle is late."""
         self._update_order(now_ms)
         if self._request is not None:
             self._read_reply(now_ms)
@@ -82,6 +83,7 @@ class Inverter(SpindleSpeed):
     # --- what it is to do
 
     def _update_order(self, now_ms):
+        """Take over direction and frequency from the tool's pin, M3 or M4, and S; 0 in an alarm."""
         machine = self._machine
         way = machine.spindle
         if way == SPINDLE_OFF or machine.alarm or not self._queue.lit():
@@ -99,7 +101,7 @@ class Inverter(SpindleSpeed):
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
 
     def _send_next(self, now_ms):
-        """Send what matters most now, if anything does."""
+        """Send the most important request now, if any: stop, frequency, start, then the readings in turn."""
         make = self._make
         way = self._way
         if self._told_way and self._told_way != way:
@@ -117,6 +119,7 @@ class Inverter(SpindleSpeed):
             self._send_request(now_ms, self._asks, make["output" if self._asks == _OUTPUT else "fault"], 0)
 
     def _send_request(self, now_ms, about, entry, hz):
+        """Send a request; `about`: its topic, `entry`: function, register and value of the make, `hz`: hundredths of a hertz."""
         value = entry[2]
         if about == _FREQUENCY:
             value = min(hz * value // 100, 0xFFFF)
@@ -131,6 +134,7 @@ class Inverter(SpindleSpeed):
     # --- what it says
 
     def _read_reply(self, now_ms):
+        """Take the reply to the request under way, or count a failure if it is wrong or timeout_ms are over."""
         data = self._line.read()
         if data:
             self._reply.extend(data)
@@ -156,7 +160,7 @@ class Inverter(SpindleSpeed):
             self._count_failure(now_ms, number, "inverter")
 
     def _drop_late(self, reply, request):
-        """`reply` without what answers an older request than `request`."""
+        """Return `reply` without a reply to an older request than `request`."""
         for index, owed in enumerate(self._owed):
             end = _expect_bytes(owed, reply)
             frame = reply[:end]
@@ -169,7 +173,7 @@ class Inverter(SpindleSpeed):
         return reply
 
     def _take_reply(self, now_ms):
-        """A good reply."""
+        """Take a good reply: note what the inverter has confirmed, or read."""
         request = self._request
         about = self._about
         self._request = None
@@ -198,14 +202,14 @@ class Inverter(SpindleSpeed):
                 self._raise_alarm(errors.ALARM_INVERTER_FAULT, "inverter: fault %d" % (value & self._make["fault"][3]))
 
     def _judge_speed(self):
-        """The speed has been read."""
+        """Raise an alarm if the speed just read falls behind."""
         if not self._way or self._told_way != self._way or self._told_hz != self._hz:
             return
         if self.falls_behind(self.output, self._hz):
             self._raise_alarm(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     def _count_failure(self, now_ms, number, who):
-        """No good reply to a request."""
+        """Count a request without a good reply. After _ATTEMPTS raise an alarm while the spindle turns; else log it once."""
         self._request = None
         self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
         self._tries += 1
@@ -226,6 +230,7 @@ class Inverter(SpindleSpeed):
             self._machine.note(number, who)
 
     def _raise_alarm(self, number, who):
+        """Raise an alarm, unless there is one, and have the stop go out with the next cycle."""
         if self._machine.alarm:
             return
         self._machine.raise_alarm(number, who)
@@ -233,5 +238,5 @@ class Inverter(SpindleSpeed):
 
 
 def _expect_bytes(request, reply):
-    """Bytes of the reply to a request, as far as `reply` says what it is."""
+    """Return the length of the reply to a request, shorter if `reply` begins as an exception."""
     return modbus.ERROR_LENGTH if len(reply) > 1 and reply[1] & 0x80 else modbus.reply_length(request)

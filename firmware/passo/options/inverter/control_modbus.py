@@ -22,7 +22,7 @@ ERROR_LENGTH = const(5)
 
 
 def crc16(data, count):
-    """CRC of the first `count` bytes; its low byte goes first on the wire."""
+    """Return the CRC of the first `count` bytes ("MODBUS over serial line" V1.02, 6.2.2); its low byte goes first on the wire."""
     crc = 0xFFFF
     for at in range(count):
         crc ^= data[at]
@@ -32,7 +32,7 @@ def crc16(data, count):
 
 
 def make_request(address, function, register, value):
-    """The bytes of a request; `value` is what to write, or how many registers to read."""
+    """Return the bytes of a request; `value`: the value to write, or the number of registers to read."""
     frame = bytes((address, function, register >> 8, register & 255))
     if function == WRITE_SEVERAL:
         frame += b"\x00\x01\x02"
@@ -42,12 +42,12 @@ def make_request(address, function, register, value):
 
 
 def reply_length(request):
-    """Bytes of the reply, if it is no exception."""
+    """Return the bytes of the reply, if it is no exception."""
     return 5 + 2 * request[5] if request[1] in (READ, READ_INPUT) else 8
 
 
 def fault_of(request, reply):
-    """0, WRONG or REFUSED. A device that is busy counts as WRONG: ask again."""
+    """Return 0 for a good reply, WRONG or REFUSED. A device that is busy counts as WRONG: ask again."""
     end = len(reply) - 2
     if end < 3 or crc16(reply, end) != reply[end] | reply[end + 1] << 8 or reply[0] != request[0]:
         return WRONG
@@ -63,5 +63,5 @@ def fault_of(request, reply):
 
 
 def value_of(reply):
-    """The first register of a reply to a read."""
+    """Return the first register of a reply to a read."""
     return reply[3] << 8 | reply[4]

@@ -47,12 +47,12 @@ class Damaged(Exception):
 
 
 def first_line(language, size, crc, stored):
-    """The first line of a file: of a job of `size` bytes with that CRC-32, in `stored` bytes."""
+    """Return the first line of a file: of a job of `size` bytes with that CRC-32, in `stored` bytes."""
     return sealed(_MAGIC + ("%s %d %08x %d" % (language, size, crc, stored)).encode())
 
 
 def parse_first_line(line):
-    """(language, bytes, CRC-32, bytes stored), or None: it is not such a line, or a byte of it is wrong."""
+    """Return (language, bytes, CRC-32, bytes stored) of a file's first line; None if it is no such line, or one of its bytes is wrong."""
     fields = line[len(_MAGIC) :].split()
     if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line != sealed(line[:-10]):
         return None
@@ -86,11 +86,12 @@ class JobFile:
         return self._stream.readinto
 
     def put_back(self, first):
+        """Give the byte that window_maker() has read to the first readinto()."""
         self._first = first
 
     def readinto(self, view):
-        """How many bytes of the job have been put into `view`, a memoryview of two or more; 0 at the end. Raises Damaged, also with the
-        last bytes if all that has been read is not right."""
+        """Read bytes of the job into `view`, a memoryview of two or more. Returns how many; 0 at the end. Raises Damaged, also with the last bytes if
+        the CRC is wrong."""
         try:
             if self._first:
                 view[:1] = self._first
@@ -124,7 +125,7 @@ class JobFile:
 
 
 def count_folders(path):
-    """How many folders there are below one, whose path ends in "/"."""
+    """Return the number of folders below `path`, which ends in "/"."""
     count = 0
     for entry in os.ilistdir(path):
         if entry[1] == _DIRECTORY:
@@ -148,7 +149,7 @@ class JobStore:
         self.more = 0  # jobs that the last list has left out
 
     def reserve_memory(self):
-        """Make what keeps memory free. Call it last, before anything is read or uploaded."""
+        """Allocate the memory that reading needs. Call it last at the start, before anything is read or uploaded."""
         self._stream = stream()  # the last one: the next takes its memory
         self._room.keep()
 
@@ -180,7 +181,7 @@ class JobStore:
         self._room.keep()
 
     def mount(self):
-        """Call it once, before anything else. Removes an upload that a power cut has left."""
+        """Make the folder, and remove an upload that a power cut has left. Call it once, before anything else."""
         try:
             os.mkdir(self._folder[:-1])
         except OSError:
@@ -189,10 +190,11 @@ class JobStore:
         self.abort_upload()
 
     def _job_path(self, name):
+        """Return the path of a job's file."""
         return self._folder + name + self._ends[0]
 
     def _job_names(self):
-        """Those of files that can be asked for, as many as are listed; a card may have others."""
+        """Return the names of the jobs in the folder, sorted, _LISTED at most; `more` counts those left out."""
         found = []
         self.more = 0
         most = min(_LISTED, gc.mem_free() // _LISTED_BYTES) if hasattr(gc, "mem_free") else _LISTED
@@ -207,10 +209,12 @@ class JobStore:
         return sorted(found)
 
     def open(self, name, language=None):
-        """A JobFile, at its start; Damaged if its language is not the one wanted. At a stand: it takes 30 ms. Raises MemoryError, too."""
+        """Return a JobFile at its start. Only at a stand: it takes 30 ms. Raises OSError, MemoryError, and Damaged if its language is not the one
+        wanted."""
         return self._open_job(self._job_path(name), language)
 
     def _open_job(self, path, language=None):
+        """Return the JobFile of a path, its window made. Raises as open()."""
         try:
             job = JobFile(self._room.open(path, "rb"), errors.JOB_DAMAGED if self._is_flash else errors.NO_CARD, language)
         except (OSError, MemoryError, Damaged):
@@ -219,7 +223,8 @@ class JobStore:
         return self._begin_reading(job)
 
     def list_jobs(self):
-        """[(name, language, bytes, bytes stored, CRC-32)], and how many more there are in `more`; of one that is damaged the language is ""."""
+        """Return [(name, language, bytes, bytes stored, CRC-32)]; the language of a damaged one is "". `more` counts the jobs left out. Raises
+        OSError."""
         found = []
         try:
             for name in self._job_names():
@@ -240,10 +245,11 @@ class JobStore:
             return True, None
 
     def delete_job(self, name):
+        """Remove a job. Raises OSError."""
         os.remove(self._job_path(name))
 
     def free_bytes(self):
-        """Bytes that an upload may have."""
+        """Return the bytes that an upload may have."""
         if not hasattr(os, "statvfs"):
             return 0x3FFFFFFF
         found = os.statvfs(self._folder[:-1])
@@ -257,7 +263,7 @@ class JobStore:
     # --- uploads
 
     def begin(self, name, language, size, crc, stored):
-        """Begin an upload of `stored` bytes; another one under way is forgotten."""
+        """Begin an upload of `stored` bytes, in place of one under way. Raises OSError, MemoryError."""
         self.abort_upload()
         self._upload = self._upload_path(name)
         self._file = self._room.open(self._upload, "wb")
@@ -266,15 +272,15 @@ class JobStore:
         self._file.write(first_line(language, size, crc, stored))
 
     def _upload_path(self, name):
-        """The file that an upload of this name goes to."""
+        """Return the path that an upload of this name goes to."""
         return self._folder + _UPLOAD
 
     def busy(self):
-        """True while an upload is under way."""
+        """Return True while an upload is under way."""
         return self._file is not None
 
     def add_data(self, data):
-        """Add to the upload. Returns 0, or why not."""
+        """Add bytes to the upload. Returns 0, or the number of an error. Raises OSError."""
         if self._file is None or len(data) > self._left:
             return errors.JOB_UPLOAD
         self._file.write(data)
@@ -282,7 +288,7 @@ class JobStore:
         return 0
 
     def open_upload(self):
-        """The upload as a job, to be read back; None if there is none, or not all of it. Raises MemoryError, Damaged."""
+        """Return the upload as a JobFile, to be read back; None if there is none, or not all of it. Raises MemoryError, Damaged."""
         if self._file is None or self._left:
             return None
         self._file.close()
@@ -290,13 +296,13 @@ class JobStore:
         return self._open_job(self._upload)
 
     def commit_upload(self):
-        """The upload is right: keep it, at once and in place of an older one."""
+        """Make the upload the job, at once, in place of an older one. Raises OSError."""
         os.rename(self._upload, self._job_path(self._name))
         if hasattr(os, "sync"):
             os.sync()
 
     def abort_upload(self):
-        """Forget an upload."""
+        """Forget the upload, if there is one."""
         file = self._file
         if file is not None:
             self._file = None
@@ -310,6 +316,7 @@ class JobStore:
             self._upload = ""
 
     def _remove_file(self, path):
+        """Remove a file, if it is there."""
         try:
             os.remove(path)
         except OSError:

@@ -6,5 +6,5 @@ LINK = "job"  # the name of the link that stored jobs come by
 
 
 def name_fits(name):
-    """True if a job may have this name."""
+    """Return True if a job may have this name."""
     return 0 < len(name) <= LONGEST_NAME and name[0] != "." and not [letter for letter in name if letter not in NAME_LETTERS]

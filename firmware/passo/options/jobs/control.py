@@ -43,6 +43,7 @@ class JobLine:
         self.given = self.answered = 0  # units
 
     def begin(self, file):
+        """Give the bytes of `file`, a JobFile, from here on."""
         self._file = file
         self.given = self.answered = 0
         self._first, self._last = self._frame
@@ -55,6 +56,7 @@ class JobLine:
         return file
 
     def any(self):
+        """Return True if there are bytes, and few enough units are unanswered."""
         file = self._file
         return file is not None and (file.done < file.size or self._last) and self.given - self.answered < self._most
 
@@ -79,12 +81,13 @@ class JobLine:
         return data
 
     def write(self, data):
+        """Count the answers in `data`."""
         if self._file is not None:
             self.answered = self._answers(bytes(data), self.answered, self.given)
             self._look_at_log()
 
     def is_done(self):
-        """True if all of the file has been given and answered."""
+        """Return True if all of the file has been given and answered."""
         file = self._file
         return file.done == file.size and not self._last and self.given == self.answered
 
@@ -113,13 +116,14 @@ class Jobs(Feature):
         machine.links.append(LINK)
 
     def join(self, number, protocol):
-        """`number` and `protocol` of the link. Returns the serial line."""
+        """Take the link's `number` and its `protocol`. Returns the serial line that reads the file."""
         self._number = number
         self.line = JobLine(protocol, self._look_at_log, self._stop_job)
         self._store.reserve_memory()
         return self.line
 
     def _make_store(self, board, port, folder):
+        """Return the store in the board's flash, mounted."""
         store = JobStore(folder)
         store.mount()
         return store
@@ -137,6 +141,7 @@ class Jobs(Feature):
     # --- commands
 
     def _do_job(self, command):
+        """Do JOB. Returns the number of an error, or 0; one of a button is logged and shown."""
         try:
             error = self._do_order(command)
         except Damaged as damaged:
@@ -154,7 +159,7 @@ class Jobs(Feature):
         return error
 
     def _mount_card(self):
-        """Make sure of the memory card, if there is to be one. Returns the number of an error."""
+        """Mount the memory card, if the board has one. Returns the number of an error."""
         if self._card is not None and not self._store.busy():
             try:
                 self._card.mount()
@@ -164,6 +169,7 @@ class Jobs(Feature):
         return 0
 
     def _do_order(self, command):
+        """Carry out an order about stored jobs. Returns the number of an error, or 0. Raises Damaged, MemoryError, OSError."""
         machine = self._machine
         what = command.value
         if what == commands.JOB_STATE:
@@ -197,6 +203,7 @@ class Jobs(Feature):
         return error or machine.accepted(command)
 
     def _begin_upload(self, name, language, size, crc, stored):
+        """Begin an upload, if its name, language and size are right. Returns the number of an error, or 0."""
         if not name_fits(name):
             return errors.STORED_NAME
         if language != self._config["language"]:
@@ -209,6 +216,7 @@ class Jobs(Feature):
     # --- running
 
     def _run_job(self, command, name):
+        """Open a job, and give its link the command; it is read to its end before it runs. Returns the number of an error, or 0."""
         machine = self._machine
         if self._file is not None:
             return errors.JOB_RUNS
@@ -230,11 +238,11 @@ class Jobs(Feature):
         return 0 if command.link is None else machine.accepted(command)
 
     def _per_cent(self):
-        """How much of the file has been read."""
+        """Return how much of the file has been read, in per cent."""
         return self._file.done * 100 // max(self._file.size, 1)
 
     def _read_on(self, file):
-        """Read on. Returns None if there is more, 0 at the end of a file that is right, or the number of an error."""
+        """Read _CHECKED pieces. Returns None if there is more, 0 at the end of a file that is right, or the number of an error."""
         try:
             for _ in range(_CHECKED):
                 if not file.readinto(self.line.piece):
@@ -244,7 +252,7 @@ class Jobs(Feature):
         return None
 
     def _prove_on(self):
-        """Read on; at the end, if the job is right, begin it."""
+        """Read on in the proof of the job; at its end begin the job, or end it with the error."""
         try:
             error = self._read_on(self._file)
             if error == 0:
@@ -261,6 +269,7 @@ class Jobs(Feature):
             self._end_job(error)
 
     def _begin_job(self):
+        """Begin the job that has been proven. Raises Damaged if its CRC is another one now, OSError, MemoryError."""
         machine = self._machine
         proven = self._file
         self._proving = False
@@ -273,7 +282,7 @@ class Jobs(Feature):
         self._noted = machine.log.added
 
     def _announce_job(self, number):
-        """Tell the journal which job begins; 0: the last one has been done to its end."""
+        """Announce the job to the journal; 0: the last one is done."""
         journal = self._machine.handlers.get(commands.JOURNAL)
         if journal and not self._machine.checking:
             journal(commands.Command(commands.JOURNAL, number))
@@ -291,7 +300,7 @@ class Jobs(Feature):
                 self._look_at_log()
 
     def _look_at_log(self):
-        """Notice at once if a line of the job was refused."""
+        """Stop the job if the newest entry of the log says that one of its lines was refused."""
         log = self._machine.log
         if log.added != self._noted:
             self._noted = log.added
@@ -300,7 +309,7 @@ class Jobs(Feature):
                 self._stop_job(newest[1])
 
     def _stop_job(self, error):
-        """A line was refused, or the file cannot be read on: nothing of the job is done any more."""
+        """Give no more lines, and bring the machine to a stand: a line was refused, or the file cannot be read on."""
         if self._failed or self._file is None:
             return
         machine = self._machine
@@ -316,7 +325,7 @@ class Jobs(Feature):
             self._note_unread(error)
 
     def _read_rest(self):
-        """A file that has changed since it was proven, or a card that has gone, is why a line was refused."""
+        """Read the file to its end behind a refused line: a changed file or a card taken out is the cause then."""
         error = self._read_on(self._rest)
         if error:
             self._note_unread(error)
@@ -324,6 +333,7 @@ class Jobs(Feature):
             self._rest = self._close_job(self._rest)
 
     def _note_unread(self, error):
+        """Log the error of a file that cannot be read on, and close it."""
         self._failed = error
         self._machine.note(error, self._name)
         self._rest = self._close_job(self._rest)
@@ -334,7 +344,7 @@ class Jobs(Feature):
             self._store.close(file)
 
     def poll_command(self, now_ms):
-        """Read an upload back, and keep it if it is right."""
+        """Read an upload back, and make it the job if it is right."""
         machine = self._machine
         if self._reading is None or not machine.busy_with(commands.JOB):
             return
@@ -358,6 +368,7 @@ class Jobs(Feature):
             machine.finish()
 
     def poll_end(self, still):
+        """End the job at a stand: it is done, or was stopped."""
         machine = self._machine
         if self._file is None or self._proving or not still or machine.dropping or machine.command is not None or machine.drawing or machine.active:
             return
@@ -373,7 +384,7 @@ class Jobs(Feature):
             self._end_job(0)
 
     def on_events(self, _):
-        """All work is dropped, by a stop, a reset, an alarm."""
+        """End the job: a stop, a reset or an alarm has dropped all work."""
         self._rest = self._close_job(self._rest)
         if self._reading is not None:
             self._reading = self._close_job(self._reading)
@@ -385,6 +396,7 @@ class Jobs(Feature):
             self._end_job(errors.JOB_STOPPED)
 
     def _end_job(self, error):
+        """Close the file, give the command back to the link before, and say how the job has ended."""
         machine = self._machine
         rest = self.line.leave_file()
         self._file = self._close_job(self._file if self._proving else rest)

@@ -29,18 +29,22 @@ def extend(protocol, board):
 
 
 def teach_lines(words):
+    """Add the `$F` lines to `words`, a Words or a Grbl."""
     words.learn_lines("$F", commands.JOB, line_commands, answer_text)
 
 
 def _count_lines(data):
+    """Return the number of lines that end in `data`."""
     return bytes(data).count(b"\n")
 
 
 def _count_answers(said, before, given):
+    """Return `before`, the lines answered so far, plus the answers in the bytes `said`; `given`: lines given."""
     return before + said.count(b"ok\r\n") + said.count(b"error:")
 
 
 def _job_command(what, target=None):
+    """Return [the command JOB with this order]."""
     return [Command(commands.JOB, target, what)]
 
 
@@ -68,7 +72,7 @@ def line_commands(machine, text):
 
 
 def answer_text(value):
-    """The lines that answer `$F` and `$F?`."""
+    """Return the lines that answer `$F` and `$F?`."""
     if len(value) == 3:
         return "[ENDED:%s|%d|%d]\r\n" % value
     if isinstance(value[0], str):
@@ -83,7 +87,7 @@ def answer_text(value):
 
 
 def end_text(value):
-    """How a job has ended, for its notice."""
+    """Return the text of the notice that a job has ended; `value`: (name, error, line)."""
     name, error, line = value
     if error == 0:
         return "Job %s done" % name

@@ -10,13 +10,15 @@ FRAME = (b"{stream}\n", b"{end}")  # the bytes before a job, and after it
 
 
 def count_units(data):
+    """Return the number of codes in `data`; the end of the file counts as one."""
     if data == FRAME[0]:
         return 0
     return 1 if data == FRAME[1] else len(data)
 
 
 def count_answers(said, before, given):
-    """All is answered when the program has been played to its end."""
+    """Return the codes answered: `before` and CREDIT for each ACK in the bytes `said`; `given`, all codes, once the program has been played to its
+    end."""
     return given if b"end\n" in said else before + CREDIT * said.count(ACK)
 
 

@@ -41,12 +41,13 @@ _EMPTY = b"\xff" * 32
 
 
 def pack_record(sequence, flags, job, line, position):
+    """Return the 32 bytes of a record."""
     body = pack(_FORM, sequence, flags, job, line, *position)
     return body + pack("<I", crc32(body) & 0xFFFFFFFF)
 
 
 def unpack_record(data):
-    """(sequence, flags, job, line, [positions]), or None if the record is not whole."""
+    """Return (sequence, flags, job, line, [positions]) of 32 bytes; None if the record is not whole."""
     if len(data) != JOURNAL_BYTES or unpack("<I", data[28:])[0] != crc32(data[:28]) & 0xFFFFFFFF:
         return None
     fields = unpack(_FORM, data[:28])
@@ -85,7 +86,7 @@ class JobJournal(Feature):
         self._find_newest(pages)
 
     def _find_newest(self, pages):
-        """The newest record, and the slot behind it."""
+        """Find the newest whole record, count the erased slots, and go to the slot behind it."""
         newest = None
         for block in range(pages.BLOCKS):
             for slot in range(pages.SLOTS):
@@ -129,8 +130,8 @@ class JobJournal(Feature):
         return {commands.JOURNAL: self._do_journal}
 
     def _do_journal(self, command):
-        """`target` None: answer (job, line, flags, positions). A number: the job with this number begins. 0: the last job's
-        lines are all done; nothing is left to resume."""
+        """Do JOURNAL. `target` None: return (job, line, flags, positions). A number: the job with this number begins. 0: the last job is done,
+        nothing is left to resume."""
         machine = self._machine
         if command.target is None:
             flags = self._flags & ~HOMED | self._flag_if_homed()
@@ -157,6 +158,7 @@ class JobJournal(Feature):
         return machine.accepted(command)
 
     def _begin_job(self, job):
+        """Begin a job: its number, or (number, line, flags, lead, position) of one that is counted."""
         number, line, flags, lead, position = job if isinstance(job, tuple) else (job, 0, DONE, 0, None)
         self._job = number
         self._flags = self._astray = 0
@@ -177,19 +179,21 @@ class JobJournal(Feature):
         counted.counting = False
 
     def _flag_if_homed(self):
+        """Return HOMED if the position is known, else 0."""
         return HOMED if not self._astray and self._machine.homed or self._counted and self._counted.kept else 0
 
     # --- what is known: of lines of the job alone, which are those with a number
 
     def _is_counting(self):
-        """Return whether queued blocks may be of the job: of lines those with a number are, others have been announced."""
+        """Return True if queued blocks may be of the job: lines with a number, or an announced job of commands or points."""
         return self._counted is None or self._counted.counting
 
     def _is_walking(self):
-        """A step program plays, and says itself where it is."""
+        """Return True if a step program plays."""
         return self._counted is not None and self._counted.progress is not None
 
     def poll(self, now_ms):
+        """Write records while a job runs, as often as every_ms, and at each stand; erase a block after REST_MS at rest."""
         machine = self._machine
         still = self._queue.still()
         if not still:
@@ -222,7 +226,7 @@ class JobJournal(Feature):
                 self._write_record()
 
     def _sample_line(self, now_ms):
-        """The line under way, and where it is."""
+        """Take the line under way and the position; write them if a record is due."""
         if self._machine.away:  # the journal keeps where the path was left
             return
         queue = self._queue
@@ -245,10 +249,11 @@ class JobJournal(Feature):
             self._write_record()
 
     def _sample_position(self):
+        """Take the position, in steps."""
         self._position[: self._axes] = list(self._queue.found())
 
     def _note_stand(self, count):
-        """All that was queued has been played, `count` blocks: if the last that moved is one of the job, its line is done."""
+        """Note that `count` blocks have been played to a stand: if the last that moved is of the job, its line is done."""
         planner = self._queue.planner
         line = 0
         for back in range(count):
@@ -267,7 +272,7 @@ class JobJournal(Feature):
             self._write_record()
 
     def halt(self):
-        """The pins have stopped amid a word; the queue is dropped next."""
+        """Write where the job is: the pins have stopped amid a word, and the queue is dropped next."""
         planner = self._queue.planner
         at = planner.row()
         if at >= 0 and planner.rows[at + ROW_TAG] > self._done and self._is_counting():
@@ -281,13 +286,13 @@ class JobJournal(Feature):
             self._write_spot()
 
     def on_events(self, _):
-        """poll() has seen the stand of the hold."""
+        """Write the line under way: the commands behind a stand are dropped."""
         if self._moving:
             self._write_record()
         self._broken = True
 
     def _write_spot(self):
-        """Write down where the step program is."""
+        """Write where the step program is."""
         spot = self._spot
         if not self._counted.progress(spot):
             return
@@ -300,7 +305,7 @@ class JobJournal(Feature):
         self._write_record()
 
     def _is_due(self, now_ms):
-        """True if another record is due: rarer, the fewer slots are left before the next erase."""
+        """Return True if another record is due: rarer, the fewer slots are left before the next erase."""
         interval = self._every_ms
         share = self._half
         while self._left < share and share > 4:
@@ -314,6 +319,7 @@ class JobJournal(Feature):
     # --- flash
 
     def _write_record(self):
+        """Write a record to the next erased slot, if anything has changed. 0.7 ms, up to 3, without interrupts."""
         now = self._flags, self._job, self._line, list(self._position)
         if now == self._written or self._block < 0:
             return
@@ -330,7 +336,7 @@ class JobJournal(Feature):
         self._next_free()
 
     def _erase_next(self):
-        """Erase the next block behind the newest record that is not. Returns whether there was one."""
+        """Erase the next block behind the newest record that is not erased, in 45 to 400 ms. Returns whether there was one."""
         pages = self._pages
         for ahead in range(1, pages.BLOCKS):
             block = (self._newest + ahead) % pages.BLOCKS

@@ -10,6 +10,7 @@ class PowerFail(Feature):
         self._input = board["journal"]["power"]
 
     def look(self, now_ms):
+        """Raise an alarm as soon as the input says that the power fails."""
         machine = self._machine
         if not machine.alarm and machine.inputs.input(self._input):
             machine.raise_alarm(errors.ALARM_POWER, self._input)

@@ -16,6 +16,7 @@ def extend(protocol, board):
 
 
 def teach_lines(words):
+    """Add the `$JR` lines to `words`, a Words or a Grbl."""
     words.learn_lines("$JR", commands.JOURNAL, line_commands, answer_text, True)
 
 
@@ -39,5 +40,6 @@ def line_commands(machine, text):
 
 
 def answer_text(value):
+    """Return the line that answers `$JR`."""
     job, line, flags, position = value
     return "[JOURNAL:%08x|%d|%d|%s]\r\n" % (job, line, flags, ",".join([str(steps) for steps in position]))

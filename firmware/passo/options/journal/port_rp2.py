@@ -18,7 +18,7 @@ _NAME = "journal.%d"
 
 
 def has_file(number):
-    """True if there is the file of block `number`, whole."""
+    """Return True if the file of block `number` is there, whole."""
     try:
         return os.stat(_NAME % number)[6] == BLOCK
     except OSError:
@@ -45,13 +45,14 @@ class Pages:
         self._find_blocks()
 
     def _make_file(self, number):
+        """Make the file of a block, erased, in 70 ms. Raises OSError."""
         with open(_NAME % number, "wb") as file:
             for _ in range(BLOCK // _PAGE):
                 file.write(self._page)
         os.sync()
 
     def _find_blocks(self):
-        """Ask littlefs where the files are."""
+        """Find the flash blocks of the files: littlefs reads the last byte of each."""
         blocks = Blocks(self._flash, self._flash.ioctl(IOCTL_COUNT, 0), 0)
         files = vfs.VfsLfs2(blocks, readsize=JOURNAL_BYTES)
         for number in range(self.BLOCKS):
@@ -62,7 +63,7 @@ class Pages:
                     self._numbers[number] = blocks.last
 
     def read(self, block, slot):
-        """32 bytes, good until the next call; b"" if there is no such file yet."""
+        """Return the 32 bytes of a slot, good until the next call; b"" if there is no such file yet."""
         if self._numbers[block] < 0:
             return b""
         self._flash.readblocks(self._numbers[block], self._record, slot * JOURNAL_BYTES)
@@ -76,7 +77,7 @@ class Pages:
         self._view[at : at + JOURNAL_BYTES] = b"\xff" * JOURNAL_BYTES
 
     def erase_block(self, block):
-        """Raises OSError if there is no room for a file, MemoryError."""
+        """Erase a block, or make its file. Raises OSError if there is no room for it, MemoryError."""
         if self._numbers[block] < 0:
             self._make_file(block)
             self._find_blocks()

@@ -13,12 +13,15 @@ class MemoryPages:
         self._slots = {}
 
     def read(self, block, slot):
+        """See Pages.read()."""
         return self._slots.get((block, slot), b"\xff" * JOURNAL_BYTES)
 
     def write(self, block, slot, data):
+        """See Pages.write()."""
         self._slots[block, slot] = bytes(data)
 
     def erase_block(self, block):
+        """See Pages.erase_block()."""
         for slot in range(self.SLOTS):
             self._slots.pop((block, slot), None)
 

@@ -19,6 +19,7 @@ class Pieces:
         self._gone = [0] * len(self._deltas)
 
     def chord(self):
+        """Return the steps of each axis to the end of the next piece."""
         self.left -= 1
         found = []
         for axis in range(len(self._deltas)):
@@ -58,7 +59,7 @@ class Queue(StreamQueue):
         self._turn_to_axes(self.here, self.here)
 
     def _turn_to_axes(self, motors, into):
-        """Positions of the motors since the start to those of the axes."""
+        """Turn the positions of `motors`, steps since power-up, into those of the axes, in `into`. Returns it."""
         self._axes_of(motors, into)
         for axis in range(len(into)):
             into[axis] -= self._zero[axis]

@@ -25,23 +25,25 @@ class Planner(planner.Planner):
         self._inside = False  # line() and fits() get steps of the motors
 
     def limits(self, limits):
+        """Take the limits of the axes; `own` keeps them, the base gets those of the motors."""
         self.own = limits
         limits = planner.Planner.limits(self, limits and self.kinematics.motor_limits(limits))
         self.ready = False
         return limits
 
     def slowest_limits(self, axes):
+        """Return (the lowest speed of all axes in nm/s, [acceleration of each of `axes`])."""
         own = self.own
         return min(own.speeds), [own.accelerations[axis] for axis in axes]
 
     def stand_at(self, motors):
-        """The motors stand there, in steps from where the machine was switched on; nothing is queued."""
+        """Take over where the motors stand, in steps since power-up. Nothing is queued."""
         for motor in range(self.axes):
             self._motors[motor] = motors[motor]
         self.kinematics.to_axes(motors, self._end)
 
     def _lead_to(self, deltas):
-        """`_ways` of the motors to what lies `deltas` beyond the queue's end, `_goal`."""
+        """Set `_goal`, `deltas` steps of the axes beyond the queue's end, and `_ways`, the steps of the motors to it."""
         goal, ways, motors = self._goal, self._ways, self._motors
         for axis in range(self.axes):
             goal[axis] = self._end[axis] + deltas[axis]
@@ -50,12 +52,13 @@ class Planner(planner.Planner):
             ways[motor] -= motors[motor]
 
     def _arrive_at_goal(self):
-        """The queue ends at `_goal`."""
+        """Let the queue end at `_goal`."""
         for axis in range(self.axes):
             self._end[axis] = self._goal[axis]
             self._motors[axis] += self._ways[axis]
 
     def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
+        """Queue a line of `deltas` steps of the axes. See the base; raises ValueError."""
         if self._inside:
             planner.Planner.line(self, deltas, ticks, tool, tag, rapid, speed_nm_s)
             return
@@ -66,6 +69,7 @@ class Planner(planner.Planner):
         self._arrive_at_goal()
 
     def fits(self, deltas, ticks, speed_nm_s):
+        """Raise ValueError if the base would refuse the line."""
         if not self._inside:
             self._lead_to(deltas)
             deltas = self._ways
@@ -73,6 +77,7 @@ class Planner(planner.Planner):
 
     def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True,
             over_half=None):
+        """Queue an arc of the axes, in the plane of motors in which it is one too. Raises ValueError if there is no such plane."""
         own = self.own
         found = self.kinematics.arc_plane(plane)
         if found is None or own is None or own.steps_per_m[plane[0]] != own.steps_per_m[plane[1]]:

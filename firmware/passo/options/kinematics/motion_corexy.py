@@ -25,6 +25,7 @@ STRAIGHT = True
 
 
 def to_motors(axes, into):
+    """Write the motors' steps at the position `axes` to `into`."""
     x, y = axes[0], axes[1]
     into[0] = x + y
     into[1] = x - y
@@ -33,6 +34,7 @@ def to_motors(axes, into):
 
 
 def to_axes(motors, into):
+    """Write the axes' position, in steps, to `into`; amid a step of an axis the step below. `into` may be `motors`."""
     a, b = motors[0], motors[1]
     into[0] = a + b >> 1
     into[1] = a - b >> 1
@@ -41,6 +43,7 @@ def to_axes(motors, into):
 
 
 def motor_limits(limits):
+    """Return the Limits of the motors, which let the slower axis reach its own."""
     finest = limits.steps_per_m[0]
     finest = isqrt(2 * finest * finest)
     speed, acceleration = [isqrt(min(each[0], each[1]) ** 2 // 2) or 1 for each in (limits.speeds, limits.accelerations)]
@@ -55,6 +58,7 @@ def motor_limits(limits):
 
 
 def arc_plane(plane):
+    """Return (plane of motors, True if an arc goes the other way round there) for a plane of axes; None if there is none."""
     if plane[0] + plane[1] != 1:
         return None
     return (0, 1, plane[2]), plane[0] == 0

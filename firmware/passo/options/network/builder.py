@@ -13,7 +13,7 @@ _OF_PAGE = ("protocols.page.lease", "protocols.page.jog", "web.pace", "web.pages
 
 
 def load(board):
-    """Import what make_serials() will ask for. Raises BoardError."""
+    """Import the modules that make_serials() needs, each behind those that it imports. Raises BoardError."""
     try:
         files = __import__("passo_pages").FILES
     except ImportError:  # they are in the file system
@@ -30,8 +30,7 @@ def load(board):
 
 
 def _page_class(language):
-    """The class of the machine behind pages, of a board of that language, such as GrblPage of passo/protocols/page/grbl.py. Raises
-    BoardError."""
+    """Return the class of the machine behind pages for a language, such as GrblPage of passo/protocols/page/grbl.py. Raises BoardError."""
     kind = language[0].upper() + language[1:] + "Page"
     try:
         return getattr(__import__("passo.protocols.page." + language, None, None, (kind,)), kind)
@@ -40,10 +39,12 @@ def _page_class(language):
 
 
 def _page_line():
+    """Return the class PageLine, imported now."""
     return __import__("passo.web.page_line", None, None, ("PageLine",)).PageLine
 
 
 def create(language, link, number, board, controller, shared, most):
+    """Return a link's protocol: of the language, or of pages."""
     if link["port"] != "page":
         return language.create(link, number, board, controller, shared, most)
     shown = _page_class(link["protocol"])
@@ -52,7 +53,7 @@ def create(language, link, number, board, controller, shared, most):
 
 
 def make_serials(board, port):
-    """The serial line of each link of the board file. Raises BoardError."""
+    """Return the serial line of each link of the board file. Raises BoardError."""
     from passo.web.lines import Radio, make_lines
 
     radio = port.radio if hasattr(port, "radio") else Radio(board["network"])
@@ -63,6 +64,7 @@ def make_serials(board, port):
 
 
 def _join_broker(board, lines):
+    """Give the line of pages a client of the broker. Raises BoardError if umqtt is not there."""
     try:
         umqtt = __import__("umqtt.simple", None, None, ("MQTTClient",))
     except ImportError:
@@ -75,7 +77,7 @@ def _join_broker(board, lines):
 
 
 def join(links, controller):
-    """Tell the links over the network whom they serve."""
+    """Give each networked line its link and the controller."""
     for link in links:
         if hasattr(link.serial, "join"):
             link.serial.join(link, controller)

@@ -19,7 +19,7 @@ _PRESENT = (commands.SPINDLE, commands.RESUME, commands.JOB)
 
 
 def _starts_work(command):
-    """True if the tool goes on, or a program goes on: that wants somebody at the machine."""
+    """Return True for a command that starts the tool or a program: somebody has to be at the machine."""
     if command.kind == commands.SPINDLE:
         return command.value != commands.SPINDLE_OFF
     return command.kind == commands.RESUME or command.value == commands.JOB_RUN
@@ -42,15 +42,17 @@ class Admission(Feature):
         return {commands.ADMIT: self._do_admit}
 
     def guard(self, handlers):
+        """Wrap the handlers that need somebody at the machine."""
         if self._presence:
             for kind in _PRESENT:
                 if kind in handlers:
                     handlers[kind] = self._with_presence(handlers[kind])
 
     def _with_presence(self, handler):
-        """`handler`, but over the network only while the input says that somebody is at the machine."""
+        """Return `handler`, which over the network refuses such a command while the presence input is not active."""
 
         def handle_if_present(command):
+            """Do the command, or return PRESENCE."""
             link = command.link
             if link is not None and link.number in self._networked and _starts_work(command) and not self._machine.port.input(self._presence):
                 return errors.PRESENCE
@@ -59,10 +61,11 @@ class Admission(Feature):
         return handle_if_present
 
     def is_admitted(self):
-        """True while who sends no proof is admitted."""
+        """Return True while commands without a key are admitted."""
         return self._length_ms > 0
 
     def look(self, now_ms):
+        """Admit for network.minutes as the button is pressed; end the admission when its time is over, and in an alarm."""
         if self._button:
             pressed = self._machine.port.input(self._button)
             if pressed and not self._pressed and not self._machine.alarm:
@@ -72,10 +75,12 @@ class Admission(Feature):
             self._length_ms = 0
 
     def _admit_for(self, minutes):
+        """x; 0 ends it."""
         self._since_ms = self._machine.port.machine_ms()
         self._length_ms = minutes * _MINUTE_MS
 
     def _do_admit(self, command):
+        """Do ADMIT, of a cable only. Returns the number of an error, or 0."""
         if not self._legacy or command.link is not None and command.link.number in self._networked:
             return errors.NOT_ADMITTED
         if not 0 <= command.value <= _MOST_MINUTES:

@@ -51,6 +51,7 @@ def check(board):
 
 
 def _check_broker(text, ports):
+    """Raise BoardError if `text` is no IPv4 address with or without a port, or there is no link on page."""
     host, _, port = text.partition(":")
     for number, most in [(part, 255) for part in host.split(".")] + [(port or "1883", 65535)]:
         if not number.isdigit() or int(number) > most or host.count(".") != 3:

@@ -20,5 +20,6 @@ class Clamp(SwitchedOutput):
         report["clamp"] = self.text()
 
     def unfit_to_end(self):
+        """Return SPINDLE_TURNS if the clamp may not let go now, else 0."""
         turns = self._machine.spindle != SPINDLE_OFF or self._queue.lit()
         return errors.SPINDLE_TURNS if turns else 0

@@ -33,6 +33,7 @@ class DigitalOutputs(Feature):
         return {commands.CODE + code: self._switch_output for code in range(62, 66)}
 
     def _switch_output(self, command):
+        """Do M62 to M65: switch an output now, or with the next motion. Returns the number of an error, LATER, or 0."""
         machine = self._machine
         name = "p%d" % command.value
         if name not in self._pins:
@@ -57,7 +58,8 @@ class DigitalOutputs(Feature):
         return machine.accepted(command)
 
     def _replace_waiting(self, name, on):
-        """True if a change of this output waits for the same motion: then the last one counts. So no more wait for it than there are outputs."""
+        """Return True, and let `on` count, if a change of this output waits for the same motion. So no more changes wait for it than there are
+        outputs."""
         waiting = self._waiting
         for index in range(len(waiting)):
             item = waiting[index]
@@ -69,20 +71,24 @@ class DigitalOutputs(Feature):
         return False
 
     def _mark_value(self, name, on):
+        """Return pin << 1 | level, as a mark has it."""
         pin, active = self._pins[name]
         return pin << 1 | (active if on else 1 - active)
 
     def _put_output(self, name, on):
+        """Switch an output now."""
         self._note_state(name, on)
         self._port.output(name, on)
 
     def _note_state(self, name, on):
+        """Note that an output is on or off."""
         if on:
             self._on[name] = True
         else:
             self._on.pop(name, None)
 
     def poll(self, now_ms):
+        """Without marks: switch the outputs whose motion has begun."""
         waiting = self._waiting
         if self._marks:
             self._count_shown()
@@ -104,7 +110,7 @@ class DigitalOutputs(Feature):
         return count
 
     def _has_begun(self, count):
-        """True if block number `count` has been queued, and those before it have been played."""
+        """Return True if block number `count` has been queued, and those before it have been played."""
         queue = self._queue
         ready = (queue.retired() - count) & COUNT_MASK < COUNT_HALF
         return ready and queue.added() != count and (queue.retired() != count or not queue.silent())
@@ -112,25 +118,27 @@ class DigitalOutputs(Feature):
     # --- stops
 
     def _count_shown(self):
-        """Note the marks that have shown."""
+        """Note the outputs whose marks the port has shown."""
         for _ in range(self._marks.take_shown()):
             _, name, on = self._waiting.pop(0)
             self._note_state(name, on)
 
     def _drop_waiting(self):
+        """Forget all changes that wait."""
         if self._marks:
             self._marks.clear_changes()
             self._count_shown()
         self._waiting.clear()
 
     def show_outputs(self, on):
+        """Switch the outputs off for an open door, and on again."""
         if self._marks:
             self._count_shown()
         for name in self._on:
             self._port.output(name, on)
 
     def _drop_last(self):
-        """Drop what waits for a motion that has not been queued."""
+        """Forget the changes that wait for a motion that is not queued yet."""
         waiting, count = self._waiting, 0
         while count < len(waiting) and self._next_motion(waiting[-1 - count][0]) == self._queue.added():
             count += 1
@@ -140,6 +148,7 @@ class DigitalOutputs(Feature):
             del waiting[len(waiting) - count :]
 
     def on_events(self, what):
+        """Forget the changes that wait, and in a safe state switch all outputs off. A refusal drops those of the next motion only."""
         if what & REFUSAL:
             self._drop_last()
             return
@@ -148,6 +157,7 @@ class DigitalOutputs(Feature):
             self.halt()
 
     def halt(self):
+        """Switch all outputs off, and forget the changes that wait."""
         self._drop_waiting()
         for name in self._on:
             self._port.output(name, False)

@@ -30,11 +30,11 @@ class PinSwitches:
         self._own = None
 
     def join(self, feeder, player):
-        """`player`: a PioPlayer."""
+        """Take the player, a PioPlayer."""
         self._player = player
 
     def show_switches(self, switches):
-        """From here on the player shows what is asked of `switches`."""
+        """Have the player show the changes asked of `switches` from here on."""
         player = self._player
         state = player._state
         enable = state[PIO_BLOCK] + vectors.IRQ1_INTE
@@ -45,9 +45,11 @@ class PinSwitches:
 
     @micropython.native
     def expect_words(self):  # ISR: no allocation
+        """Enable the interrupt; see Switches.join()."""
         _enable_interrupt(self._own)
 
     def close(self):
+        """Disable the interrupt."""
         if self._own:
             vectors.leave(vectors.PIO_IRQ_1)
             mem32[self._own[_ENABLE]] = 0
@@ -59,13 +61,13 @@ def create(board, port, inputs, outputs):
 
 @micropython.viper
 def _enable_interrupt(own: ptr32):  # ISR: no allocation
-    """From here on the interrupt comes; at once if a word has begun since it came last."""
+    """Enable the interrupt of each word; it comes at once if a word has begun since it came last."""
     ptr32(own[_ENABLE])[0] = 256 << ptr32(own[_STATE])[PIO_NUMBER]
 
 
 @micropython.viper
 def _show_due(own: ptr32):  # ISR: no allocation
-    """A word has begun: show what is due with it."""
+    """Show the changes that are due with the word that has begun. Called in its interrupt, 1.1 µs behind the step."""
     state = ptr32(own[_STATE])
     switches = ptr32(own[_SWITCHES])
     pins = ptr32(0xD0000010)

@@ -11,10 +11,11 @@ class VirtualSwitches:
         self._player = player
 
     def show_switches(self, switches):
-        """From here on the player shows what is asked of `switches`."""
+        """Have the player show the changes asked of `switches` from here on."""
         self._player.mark(switches, self._show_change)
 
     def _show_change(self, tick, value):
+        """Give the world the level `value` & 1 of pin `value` >> 1 at a tick."""
         self._world.output(tick, self._names[value >> 1], value & 1)
 
 

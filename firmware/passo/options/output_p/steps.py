@@ -41,7 +41,7 @@ SWITCH_NEVER = const(0x20000000)
 
 @micropython.viper
 def find_words(switches: ptr32, state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32) -> int:  # ISR: no allocation
-    """Write each change's word, or that it is not known. Returns how many are known."""
+    """Write the word of each change, or SWITCH_NEVER while it is not known. Returns how many are known. See above."""
     stride = MARK_FIELDS + state[FEED_AXES]
     at = state[FEED_OLDEST]
     count = indices[QUEUE_RETIRED]
@@ -96,7 +96,7 @@ class Switches:
         marks[SWITCH_ASKED] = marks[SWITCH_ASKED] + 1 & COUNT_MASK  # last: from here on an interrupt may find it
 
     def amend_change(self, back, value):
-        """The change that was asked for last, `back` 1, or before it, is another one. Only while its block is not queued."""
+        """Replace the value of the change asked for last, `back` 1, or before it. Only while its block is not queued."""
         self.marks[SWITCH_FIRST + (self.marks[SWITCH_ASKED] - back & SWITCH_MOST - 1) * SWITCH_FIELDS + SWITCH_VALUE] = value
 
     def withdraw_last(self, count):
@@ -105,7 +105,7 @@ class Switches:
 
     @micropython.native
     def start(self):  # ISR: no allocation
-        """The player's start()."""
+        """Find the words of the changes, then start the player."""
         marks, state, segments, words, rows, indices = self._arrays
         # Parked, the counts are those of the way there.
         if marks[SWITCH_ASKED] != marks[SWITCH_SHOWN] and not self._shut and not self._machine.away:
@@ -118,14 +118,14 @@ class Switches:
         self.tell = tell
 
     def take_shown(self):
-        """How many changes have been shown since the last call: the oldest ones."""
+        """Return how many changes have been shown since the last call: the oldest ones."""
         shown = self.marks[SWITCH_SHOWN]
         count = shown - self._counted & COUNT_MASK
         self._counted = shown
         return count
 
     def clear_changes(self):
-        """Forget those that have not been shown."""
+        """Forget the changes that have not been shown."""
         marks = self.marks
         self._shut = True
         for at in range(SWITCH_FIRST + SWITCH_WORD, len(marks), SWITCH_FIELDS):
@@ -134,7 +134,8 @@ class Switches:
         self._shut = False
 
     def show_due(self, played, put):
-        """For a port without interrupts: put(value) for each change that is due now that `played` words have begun. Returns the next one's word."""
+        """For a port without interrupts: call put(value) for each change due now that `played` words have begun. Returns the word of the next one, or
+        SWITCH_NEVER."""
         marks = self.marks
         while marks[SWITCH_ASKED] != marks[SWITCH_SHOWN]:
             at = SWITCH_FIRST + (marks[SWITCH_SHOWN] & SWITCH_MOST - 1) * SWITCH_FIELDS

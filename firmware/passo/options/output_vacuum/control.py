@@ -21,13 +21,14 @@ class Vacuum(SwitchedOutput):
             STATUS_WORDS.append(WORD)
 
     def guard(self, handlers):
+        """See the base; the handler of COOLANT switches the cleaner off at a program's end."""
         SwitchedOutput.guard(self, handlers)
         cool = handlers.get(commands.COOLANT)
         if cool:
             handlers[commands.COOLANT] = lambda command: self._end_coolant(command, cool)
 
     def _end_coolant(self, command, cool):
-        """The end of a program switches all coolant off, and says so."""
+        """Do COOLANT by `cool`; switch the cleaner off if it ends a program."""
         result = cool(command)
         if not result and command.ends and self.on and not self._machine.checking:
             self.put(False)
@@ -37,10 +38,12 @@ class Vacuum(SwitchedOutput):
         report["vacuum"] = self.text()
 
     def show_outputs(self, on):
+        """Switch the cleaner off for an open door, and on again."""
         if self.on:
             self._machine.port.output(self._name, on)
 
     def on_events(self, _=SAFE):
+        """Switch the cleaner off."""
         self.put(False)
 
     halt = on_events

@@ -44,11 +44,13 @@ class Pauses(pauses.Pauses):
     halt = on_events
 
     def poll_hold(self):
+        """Go on with the way up or back; at its end with the base."""
         if not self._way or self._hands_back():
             pauses.Pauses.poll_hold(self)
 
     def _hands_back(self):
-        """True if its own base has the say again: all is to be dropped, or a hold has stopped the line."""
+        """Return True if the base decides again: all is to be dropped, or a hold has stopped the line. Else go on to the next line once this one is
+        done."""
         machine = self._machine
         if machine.dropping:
             return True
@@ -76,7 +78,7 @@ class Pauses(pauses.Pauses):
     # --- up
 
     def _has_to_park(self):
-        """True if the axis has to go up from here."""
+        """Return True if the door holds the machine, and the axis has to go up from here."""
         machine = self._machine
         value = machine.settings.value
         if machine.hold != "door" or not value(SETTING_PARKING) or not machine.homed or self._laser() or machine.busy_with(commands.PROBE):
@@ -84,10 +86,11 @@ class Pauses(pauses.Pauses):
         return self._axis_position() < self._steps_of(value(SETTING_PARKING_TARGET))
 
     def _axis_position(self):
+        """Return the position of the axis that parks, in steps."""
         return self._queue.position()[self._machine.settings.value(SETTING_PARKING_AXIS)]
 
     def _steps_of(self, um):
-        """Steps of a machine coordinate of the axis, within its travel."""
+        """Return the steps of a machine coordinate of the axis, in µm, within its travel."""
         axis = self._machine.settings.value(SETTING_PARKING_AXIS)
         low, high = self._queue.reach(axis)
         return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
@@ -113,7 +116,7 @@ class Pauses(pauses.Pauses):
             self._rise_to_target()
 
     def _rise_to_target(self):
-        """Pulled out: off with spindle and coolant, and up."""
+        """Switch spindle and coolant off, and go up to the target."""
         self._queue.rest(False)
         self._machine.show_outputs(False)
         self._set_out(_RISES, self._steps_of(self._machine.settings.value(SETTING_PARKING_TARGET)), _SPEED, False)
@@ -133,7 +136,7 @@ class Pauses(pauses.Pauses):
             pauses.Pauses._go_on(self)
 
     def _set_out(self, way, goal, speed, tool):
-        """Set out to `goal`, a position of the axis."""
+        """Begin a line to `goal`, a position of the axis in steps; `speed`: the number of the setting with its speed."""
         machine = self._machine
         queue = self._queue
         axis = machine.settings.value(SETTING_PARKING_AXIS)

@@ -25,7 +25,7 @@ class Detour:
         self._kept = None
 
     def begin(self, deltas, nm_s, tool, power, tag):
-        """Set out. Raises ValueError if the planner refuses the line."""
+        """Begin a line of `deltas` steps at nm_s. Raises ValueError if the planner refuses it."""
         feeder = self._feeder
         planner = feeder.planner
         planner.fits(deltas, 0, nm_s)
@@ -54,13 +54,13 @@ class Detour:
         feeder.open = fed
 
     def is_done(self):
-        """True once it has been played to its last word."""
+        """Return True once the line has been played to its last word."""
         state = self._feeder.state
         indices = self._feeder.planner.indices
         return indices[QUEUE_FETCHED] == indices[QUEUE_ADDED] and not state[FEED_LEFT] and not state[FEED_WAIT] and not self._player.busy()
 
     def end(self):
-        """Take up the queue where it was, held. Only at a stand."""
+        """Take up the queue where it was, and hold it. Only at a stand."""
         feeder = self._feeder
         planner = feeder.planner
         fed = self._close_feeder()
@@ -82,11 +82,11 @@ class Detour:
         feeder.open = fed
 
     def forget_line(self):
-        """Everything has been dropped."""
+        """Forget the line and the queue: everything has been dropped."""
         self._kept = None
 
     def _close_feeder(self):
-        """Stop interrupts from feeding; retire the blocks played. Returns whether one may again."""
+        """Stop interrupts from feeding, and retire the blocks played. Returns whether they may feed again."""
         feeder = self._feeder
         fed = feeder.open
         feeder.open = False

@@ -67,7 +67,7 @@ def check(board):
 
 
 def _prompt_inputs(board, config):
-    """Names of the inputs behind registers that have these read at once."""
+    """Return the names of the inputs behind registers that registers.edges has read at once. Raises BoardError."""
     names = []
     behind = [item["name"] for item in board["inputs"] if item["pin"] >= REGISTER_BIT]
     for item in config["edges"]:

@@ -43,7 +43,7 @@ class ShiftRegisters:
 
     @micropython.native
     def exchange(self):  # ISR: no allocation
-        """Show the outputs, read the inputs."""
+        """Show the outputs and read the inputs, with interrupts locked."""
         state = disable_irq()
         if self._tool is not None:
             if self._tool.value():
@@ -58,6 +58,7 @@ class ShiftRegisters:
 
     @micropython.native
     def _shift_bits(self):  # ISR: no allocation
+        """Shift `outputs` out and the inputs in. Returns the inputs, a bit each."""
         clock = self.clock
         latch = self.latch
         data = self.data
@@ -82,23 +83,26 @@ class ShiftRegisters:
         return inputs
 
     def input(self, entry):
+        """Return the RegisterInput of an entry of the board file."""
         return RegisterInput(entry, self)
 
     def output(self, entry):
+        """Return the RegisterOutput of an entry of the board file."""
         return RegisterOutput(entry, self)
 
     def begin(self, port, board, mask):
-        """All inputs and outputs are made. `mask`: of the pins of inputs."""
+        """Watch the inputs for the interlock: all inputs and outputs are made. `mask`: of the pins of the other inputs."""
         self._tool_pin = board["tool"]["pin"]
         if port.veto is not None:
             self._watch = RegisterWatch(port.veto, self)
             self._watch.watch_edges(port, board["registers"]["edges"], board["inputs"])
 
     def join(self, feeder, player):
+        """Show the tool from here on: the player drives its pin by now."""
         self.show_tool(self._tool_pin)
 
     def check(self):  # ISR: no allocation
-        """The feeder's interrupt calls it."""
+        """Exchange, and look at the inputs. Called in the feeder's interrupt, every 3 ms."""
         self.exchange()
         if self._watch is not None:
             self._watch.look()
@@ -107,13 +111,13 @@ class ShiftRegisters:
         self.exchange()
 
     def show_tool(self, number):
-        """From here on an output shows the level of pin `number`, if the board file says which. The player drives that pin by now."""
+        """Show the level of pin `number` on an output from here on, if the board file names one."""
         if self._tool_mask:
             self._tool = Pin(number)
 
     @micropython.native
     def show_bit(self, bit, level):  # ISR: no allocation
-        """Show an output."""
+        """Show the level of an output at once."""
         state = disable_irq()
         if level:
             self.outputs |= 1 << bit
@@ -136,6 +140,7 @@ class RegisterInput:
 
     @micropython.native
     def active(self):  # ISR: no allocation
+        """Return True while the input is active."""
         return self._registers.inputs >> self._bit & 1 == self.level
 
 
@@ -148,6 +153,7 @@ class RegisterOutput:
 
     @micropython.native
     def value(self, level):  # ISR: no allocation
+        """Show a level."""
         self._registers.show_bit(self._bit, level)
 
 
@@ -178,6 +184,7 @@ class RegisterWatch:
 
     @micropython.native
     def on_edge(self, pin):  # ISR: no allocation
+        """Read the registers, and again after the filter's time if a filtered input has changed. Called in the pin's interrupt."""
         registers = self._registers
         registers.exchange()
         self.look()
@@ -190,8 +197,7 @@ class RegisterWatch:
 
     @micropython.native
     def look(self):  # ISR: no allocation
-        """Called behind each exchange of the feeder's interrupt. If nothing has changed since the last call: 10 µs; else 0.3 ms
-        for twelve inputs."""
+        """Tell the interlock of changed inputs. Called behind each exchange: 10 µs without a change, else 0.3 ms for twelve inputs."""
         interlock = self._interlock
         inputs = self._registers.inputs
         if inputs == self._inputs and interlock.states == self._states and not self._pending:
@@ -213,7 +219,7 @@ class RegisterWatch:
 
 
 def first_levels(board):
-    """The outputs behind registers, all off."""
+    """Return the levels of the outputs behind registers, all off, a bit each."""
     levels = 0
     for entry in board["outputs"]:
         if entry["pin"] >= REGISTER_BIT and not entry["active"]:

@@ -17,6 +17,7 @@ class Queue(StreamQueue):
         self.turns = 1 | (2 if board["short_way"] else 0) | (4 if self._endless else 0)
 
     def reach(self, axis):
+        """Return the (low, high) end of an axis's travel, in steps; of one that turns for ever ±FARTHEST."""
         if axis == self._last and self._endless:
             return -FARTHEST, FARTHEST
         return StreamQueue.reach(self, axis)
@@ -43,7 +44,7 @@ class Queue(StreamQueue):
             seen[SEEN_NM_S] = nm_s % 1_000_000
 
     def _speed_along(self, deltas, nm_s):
-        """The speed along all axes at which the linear ones go at `nm_s`; it counts 10⁻⁶ degrees a second where none of them moves."""
+        """Return the speed along all axes at which the linear ones go at `nm_s`. Without a linear axis `nm_s` counts 10⁻⁶ degrees a second."""
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
         linear = length_nm(deltas[: self._last], steps_per_m)
         return nm_s * length_nm(deltas, steps_per_m) // linear if nm_s and linear else nm_s

@@ -27,6 +27,7 @@ class PenServo(Feature):
         self._pulse = machine.port.make("servo", (config["pin"], 1000 * config["up_us"]))
 
     def look(self, now_ms):
+        """Move the arm on, once a pulse, in proportion to the time that has passed."""
         passed_ms = (now_ms - self._moved_ms) & COUNT_MASK
         if passed_ms < _PULSE_MS:
             return

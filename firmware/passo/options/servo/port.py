@@ -8,4 +8,5 @@ from machine import PWM, Pin
 
 
 def create(port, inputs, config):
+    """Return the PWM; `config`: (pin, ns of the first pulse)."""
     return PWM(Pin(config[0]), freq=50, duty_ns=config[1])

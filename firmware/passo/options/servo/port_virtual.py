@@ -7,6 +7,7 @@ class Servo:
         self.duty_ns(ns)
 
     def duty_ns(self, ns):
+        """Give the world the length of the pulse."""
         self._port.world.servo(self._port.now, ns // 1000)
 
 

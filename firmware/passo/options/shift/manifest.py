@@ -27,7 +27,7 @@ def extend(rules):
 
 
 def has_bit(pin):
-    """True for an output of the register."""
+    """Return True for a pin that is an output of the register."""
     return isinstance(pin, int) and REGISTER_BIT <= pin < REGISTER_BIT + OUTPUTS
 
 
@@ -72,6 +72,7 @@ def claims(board):
 
 
 def _want_bit(pin, who):
+    """Raise BoardError unless `pin` is an output of the register; `who`: for the text."""
     if not has_bit(pin):
         last = REGISTER_BIT + OUTPUTS - 1
         raise BoardError("%s: with shift it is on an output of the register, %d … %d, not %r" % (who, REGISTER_BIT, last, pin))

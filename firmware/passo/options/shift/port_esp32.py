@@ -18,10 +18,12 @@ class ShiftBank:
         self._pins = []
 
     def output(self, entry):
+        """Return the ShiftPin of an entry of the board file."""
         self._pins.append(ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"]))
         return self._pins[-1]
 
     def make_player(self, ring, layout, pins, pulse_ticks, invert):
+        """Return the I2sPlayer of the board's motors. The outputs show their levels from here on."""
         outputs = [pin - REGISTER_BIT for pin in pins]
         self.player = I2sPlayer(ring, layout, outputs, pulse_ticks, invert, self._section, self._psram)
         for pin in self._pins:
@@ -29,7 +31,7 @@ class ShiftBank:
         return self.player
 
     def exchange(self, *_):
-        """Nothing: frames go out all the time."""
+        """Do nothing: frames go out all the time."""
 
     begin = join = close = exchange
 
@@ -43,10 +45,12 @@ class ShiftPin:
         self.level = level
 
     def value(self, level):
+        """Show a level."""
         self.level = level
         self.show_level()
 
     def show_level(self):
+        """Show the level, if there is a player."""
         player = self._bank.player
         if player is not None:
             player.output(self._number, self.level)

@@ -19,18 +19,20 @@ BYTES = const(5)
 
 
 def make_datagram(register, number=None):
+    """Return the five bytes that ask for a register, or write `number` to it."""
     if number is None:
         return bytes((register, 0, 0, 0, 0))
     return bytes((register | WRITES, number >> 24 & 255, number >> 16 & 255, number >> 8 & 255, number & 255))
 
 
 def fault_bits(status):
-    """DRV_STATUS as a TMC2209 has it: 1 hot, 2 overheated, 0x3C shorts, 0xC0 open coils."""
+    """Return DRV_STATUS in the bits of a TMC2209: 1 hot, 2 overheated, 0x3C shorts, 0xC0 open coils."""
     return status >> 26 & 1 | status >> 24 & 2 | status >> 25 & 0xC | (status >> 12 & 3) << 4 | status >> 23 & 0xC0
 
 
 def current_scale(current_ma, config):
-    """(CHOPCONF's vsense or GLOBALSCALER, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for the resistors."""
+    """Return (CHOPCONF's vsense or GLOBALSCALER, current scale 0 … 31), next below a motor's current in mA RMS; None if it is too much for the
+    resistors."""
     mohm = config["sense_mohm"]
     if config["chip"] == "tmc2130":
         return tmc2209.current_scale(current_ma, mohm, 320)
@@ -44,7 +46,7 @@ def current_scale(current_ma, config):
 
 
 def register_rows(motor, config):
-    """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
+    """Return [(register, value)] for a driver of the board file. Only the last two are read back."""
     first, run = current_scale(motor["current_ma"], config)
     hold = run * motor["hold_percent"] // 100
     halvings = MICROSTEPS.index(motor["microsteps"])

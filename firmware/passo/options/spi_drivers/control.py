@@ -21,6 +21,7 @@ class Motors(drives.Motors):
     _kept = False  # whether those that are set up anew have been so all the while
 
     def _open_line(self, config):
+        """Open the SPI, compute the registers of each driver, and sort the drivers into chains."""
         self._config = config
         self._line = self._machine.port.make("spi_drivers", config)
         self._registers = [chip.register_rows(motor, config) for motor in self._motors]
@@ -30,6 +31,7 @@ class Motors(drives.Motors):
             self._chains[pin] = [number] + self._chains.get(pin, [])
 
     def _poll_driver(self, now_ms):
+        """Set the next driver up, or check it, once it is due. After ASKS attempts without an answer raise an alarm."""
         if (now_ms - self._due_ms) & COUNT_MASK >= COUNT_HALF:
             return
         if not (self._check_driver(now_ms) if self.ready() else self._set_up()):
@@ -52,7 +54,8 @@ class Motors(drives.Motors):
         return found[at] << 24 | found[at + 1] << 16 | found[at + 2] << 8 | found[at + 3]
 
     def _silent_driver(self):
-        """The number of the driver that is silent: of a chain the one nearest to `rx` of which nothing came. Replies of those before it cannot come through."""
+        """Return the number of the driver that is silent: in a chain the one nearest to `rx` of which nothing came, because it lets no reply of those
+        before it through."""
         chain = self._chains[self._motors[self._number]["cs"]]
         for index in range(len(chain)):
             part = self._found[chip.BYTES * index : chip.BYTES * (index + 1)]
@@ -61,14 +64,14 @@ class Motors(drives.Motors):
         return self._number
 
     def _read_register(self, register):
-        """The register; None if the chip does not say its version behind it."""
+        """Return a register; None if the chip does not say its version behind it."""
         self._send_datagram(chip.make_datagram(register))
         found = self._send_datagram(chip.make_datagram(chip.IOIN))
         version = self._send_datagram(chip.make_datagram(chip.IOIN)) >> 24
         return found if version in chip.VERSIONS.values() or register == chip.IOIN and version not in (0, 255) else None
 
     def _set_up(self):
-        """Set the driver up. True if it has answered."""
+        """Set the driver up, and read it back. Returns True if it has answered."""
         found = self._read_register(chip.IOIN)
         if found is None:
             return False
@@ -101,7 +104,7 @@ class Motors(drives.Motors):
         return True
 
     def _check_driver(self, now_ms):
-        """Look at a driver that is set up. True if it has answered."""
+        """Check a driver that is set up. Returns True if it has answered."""
         self._send_datagram(chip.make_datagram(chip.GSTAT))
         state = self._send_datagram(chip.make_datagram(chip.DRV_STATUS))
         status = self._send_datagram(chip.make_datagram(chip.IOIN))

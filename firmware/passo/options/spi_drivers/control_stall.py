@@ -24,6 +24,7 @@ class Motors(stall_drives.Motors, spi_drives.Motors):
     _poll_driver = spi_drives.Motors._poll_driver
 
     def _register_rows(self, motor, feels):
+        """Return the registers of a driver, with those for feeling if it may feel; the two that are read back stay the last."""
         rows = chip.register_rows(motor, self._config)
         if motor["axis"] not in self._stalls:
             return rows

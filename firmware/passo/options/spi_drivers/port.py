@@ -20,6 +20,7 @@ class SpiLine:
         self._spi = SoftSPI(baudrate=_HZ, polarity=1, phase=1, sck=pins[0], mosi=pins[1], miso=pins[2])
 
     def exchange(self, pin, data):
+        """Send `data` with `pin` low. Returns as many bytes, which come back meanwhile."""
         found = bytearray(len(data))
         self._selects[pin](0)
         self._spi.write_readinto(data, found)

@@ -31,6 +31,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._dropped = False  # at its stand, and not yet cleared
 
     def _clear_state(self):
+        """See the base; no walk is held."""
         StepProgramOrders._clear_state(self)
         self._held = IDLE  # the mode that the machine's hold has interrupted
         self._from = 0  # the start of the walk under way
@@ -39,15 +40,19 @@ class StepProgramPlayer(StepProgramOrders):
         return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
 
     def owns_axes(self):
+        """Return True while a program is under way, or is to set out."""
         return self._mode != IDLE or self._midway or self._start_ms is not None
 
     def may_change(self):
+        """Return True during a walk."""
         return self._mode != IDLE
 
     def is_held(self):
+        """Return True at a pause amid the program."""
         return self._midway and self._mode == IDLE
 
     def on_events(self, what):
+        """Forget all motion, or the walk that a stand has taken off the queue."""
         if what & WORK_GONE:
             self._forget_motion()
         if what & QUEUE_GONE and self._mode != IDLE:  # the stand came behind poll(), and the walk is off the queue
@@ -56,7 +61,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._drop_at_stand()
 
     def _forget_motion(self):
-        """All motion has been dropped, or is to be at its stand: back to the program's start; streamed items are forgotten."""
+        """Go back to the program's start, now or at the stand, because all motion is dropped; streamed items are forgotten."""
         if self._machine.dropping and self._mode != IDLE:
             self._next = self._drop_at_stand
             return
@@ -68,7 +73,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._clear_state()
 
     def _drop_at_stand(self):
-        """At the stand; the journal has a cycle to look where that is."""
+        """Switch the tool off at the stand. The next cycle forgets the motion; the journal looks before."""
         self._queue.rest(False)
         self._dropped = self._machine.awake = True
 
@@ -81,18 +86,20 @@ class StepProgramPlayer(StepProgramOrders):
         self._at_stand(self._give_up)
 
     def _give_up(self):
+        """Forget the program, the tool off."""
         self._reset_program()
         self._queue.rest(False)
 
     # --- walking
 
     def _set_drives(self, on):
+        """Switch the drives on or off."""
         self._drives = on
         self._barred = self._barred and not on
         self._machine.motors.drives(on)
 
     def _power_back(self):
-        """The end of a walk, or of a part of it; the next one has current if the drives are on."""
+        """Let the motors have current again, behind a walk without it. The position is lost if that has moved."""
         if self._without is not None:
             if self._queue.position() != self._without:
                 self._machine.lose_position()  # the motors are not where the steps lead to
@@ -109,11 +116,13 @@ class StepProgramPlayer(StepProgramOrders):
             self._queue.hold(True)
 
     def _release_hold(self):
+        """End the hold."""
         self._machine.end_hold()
         self._queue.hold(False)
         self._held = IDLE
 
     def _start_walk(self, backward=False, most=ENDLESS):
+        """Walk the program from here, `most` units at most."""
         self._backward = backward
         self._most = most
         self._from = self._walker.index
@@ -122,6 +131,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._begin_walk(self._walker, RUN, backward, most)
 
     def _begin_walk(self, walker, mode, backward, most=ENDLESS):
+        """Queue a walk of `walker`; `mode`: RUN, HAND or RETURN."""
         self._mode = mode
         self._start_ms = None
         self._midway = self._midway or mode == RUN
@@ -134,6 +144,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._queue.walk(walker)
 
     def poll(self, now_ms):
+        """Go on: set out, resume, take a held walk off the queue, or finish one that has been played."""
         machine = self._machine
         if self._held or self._mode != IDLE or self._start_ms is not None:
             machine.awake = True
@@ -160,12 +171,12 @@ class StepProgramPlayer(StepProgramOrders):
             self._finish_walk()
 
     def _has_gathered(self):
-        """True when enough of a stream has come to set out, or has been waited for."""
+        """Return True once enough of a stream has come to set out, or its time is over."""
         waited = (self._machine.port.machine_ms() - self._start_ms) & COUNT_MASK < COUNT_HALF
         return waited or not self.program.open or self.program.total >= _GATHER
 
     def _take_off(self):
-        """At the stand of a hold: take the walk off the queue."""
+        """Take the walk off the queue at the stand of a hold, and do what waits for that."""
         mode = self._mode
         lit = self._queue.lit()
         self._queue.drop()
@@ -181,6 +192,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._queue.hold(True)
 
     def _leave_walk(self, mode):
+        """Note that no walk is under way, and where it was left."""
         self._mode = IDLE
         self._power_back()
         if mode == RUN:
@@ -189,7 +201,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._hand.cut_program()
 
     def _finish_walk(self):
-        """A walk has been played to its end."""
+        """Do what follows a walk that has been played to its end."""
         mode = self._mode
         self._mode = IDLE
         self._power_back()
@@ -206,6 +218,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._arrive_in_program()
 
     def _arrive_in_program(self):
+        """Go on behind a STATION, or end at the program's end or start."""
         walker = self._walker
         done = self._most != ENDLESS and walker.index != self._from
         station = None if self._backward or done else walker.pass_station()
@@ -221,11 +234,12 @@ class StepProgramPlayer(StepProgramOrders):
             self._go_along()
 
     def _go_along(self):
-        """On, unless it was a single step."""
+        """Walk on, unless it was a single step."""
         if self._most == ENDLESS:
             self._start_walk(self._backward)
 
     def _end_program(self):
+        """End the program, or begin its next pass."""
         program = self.program
         if self._backward:
             forgotten = program.start != 0  # the items streamed first
@@ -244,12 +258,13 @@ class StepProgramPlayer(StepProgramOrders):
             self._tell_end("end")
 
     def _tell_end(self, what):
+        """Answer the last command with FINISHED and `what`."""
         self._machine.tell(Event(FINISHED, self._command, 0, what))
 
     # --- for the status report
 
     def report(self, report):
-        """Add what is known of the program: `program`, a dict."""
+        """Add `step_program`, a dict, to the status report."""
         walker = self._walker
         index = self._queue.index() if self._mode == RUN else None
         seen = self._hand if self._mode in (HAND, RETURN) else walker

@@ -42,7 +42,7 @@ _KINDS = {
 
 
 def lengths_of(steps_per_m):
-    """For each mask of axes how far a step of them goes, nm × 60."""
+    """Return how far a step goes for each mask of axes, in nm × 60, an array."""
     lengths = array("i", [0] * (1 << len(steps_per_m)))
     for mask in range(1, len(lengths)):
         total = 0
@@ -74,6 +74,7 @@ class StepProgramOrders(Feature):
         self._reset_program()
 
     def _take_settings(self):
+        """Take lengths, least interval and speeds from the settings."""
         settings = self._machine.settings
         self._settings_of = settings.version
         for mask, length in enumerate(lengths_of(settings.steps_per_m)):
@@ -84,7 +85,7 @@ class StepProgramOrders(Feature):
         self._default = min(settings.value(table.PROGRAM_SPEED), self.fastest)
 
     def _follow_settings(self):
-        """A stored program has speeds in it: once steps/mm, interval or speed have changed, which they do at a stand, it is forgotten."""
+        """Forget a stored program, whose speeds are wrong now, if steps/mm, interval or speed have changed."""
         if self._settings_of != self._machine.settings.version:
             before = self._lengths[:], self._least_ticks, self._default
             self._take_settings()
@@ -92,6 +93,7 @@ class StepProgramOrders(Feature):
                 self._reset_program()
 
     def _reset_program(self, ring=False):
+        """Forget the program; `ring`: the next one is streamed."""
         self.program.clear_items(self._default, ring)
         self._walker.go_to_start()
         self._clear_state()
@@ -99,7 +101,7 @@ class StepProgramOrders(Feature):
         self._powers = False  # the program switches the drives on somewhere
 
     def _clear_state(self):
-        """Nothing is under way, and there are no manual moves to go back."""
+        """Note that nothing is under way, and that there are no manual moves to go back."""
         self._mode = IDLE
         self._start_ms = None  # when what is streamed is to set out at the latest
         self._midway = False  # has set out, and has not come to an end
@@ -112,14 +114,16 @@ class StepProgramOrders(Feature):
         self._forget_moves()
 
     def _forget_moves(self):
+        """Forget the manual moves."""
         self._manual.clear_items(self._default)
         self._hand.go_to_start()
 
     def _do_add(self, command):
-        """STEP_PROGRAM_ADD."""
+        """Do STEP_PROGRAM_ADD."""
         return (self._open_program, self._add_items, self._close_program, self._abort_program)[command.value](command)
 
     def _open_program(self, command):
+        """Open a program, stored or streamed (`tool`). Returns the number of an error, LATER, or 0."""
         machine = self._machine
         if self._streaming and self.owns_axes() and not self.program.open:
             return LATER
@@ -140,6 +144,7 @@ class StepProgramOrders(Feature):
         return machine.accepted(command)
 
     def _add_items(self, command):
+        """Add the items in `target`. Returns the number of an error, LATER, or 0."""
         program = self.program
         if not program.open:
             return errors.NO_STEP_PROGRAM
@@ -162,7 +167,7 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command)
 
     def _append_item(self, item):
-        """Add an item of the shared vocabulary (commands.STEPS_…) to the program; of runs only where there is no room."""
+        """Add an item of commands.STEPS_… to the program. Returns False for a run, or if there is no room."""
         if item & 15:
             return False
         kind = item >> 4 & 15
@@ -182,7 +187,7 @@ class StepProgramOrders(Feature):
         return self.program.append(marks.make_mark(marks.STATION, station))
 
     def write_progress(self, spot):
-        """For the journal: see job_journal.py. False if nothing of the program has been played."""
+        """Write where the program is to `spot`, fields SPOT_…, for the journal. Returns False if nothing of it has been played."""
         walker = self._walker
         index = walker.index
         at = self._left_at
@@ -200,6 +205,7 @@ class StepProgramOrders(Feature):
         return True
 
     def _is_reachable(self):
+        """Return True if all passes of the program stay within the soft limits, or none hold."""
         machine = self._machine
         if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
             return True
@@ -213,6 +219,7 @@ class StepProgramOrders(Feature):
         return True
 
     def _close_program(self, command):
+        """Close the program: it is complete. Returns the number of an error, or 0."""
         if not self.program.open:
             return errors.NO_STEP_PROGRAM
         self.program.expect_more(False)
@@ -222,14 +229,14 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command, self.program.total)
 
     def _abort_program(self, command):
-        """The rest makes no sense: forget a stored program, stop a streamed one."""
+        """Forget a stored program, stop a streamed one: its rest makes no sense. Returns the error."""
         self._fail_program()
         return command.error
 
     # --- orders
 
     def _do_order(self, command):
-        """STEP_PROGRAM."""
+        """Do STEP_PROGRAM. Returns the number of an error, or 0."""
         verb = command.value
         self._follow_settings()
         if self._mode == IDLE and not self._queue.still():
@@ -254,7 +261,8 @@ class StepProgramOrders(Feature):
         return self._do_go(command)
 
     def _do_go(self, command):
-        """STEPS_GO, STEPS_STEP, STEPS_CONTINUE: `tool` says backward, `power` how many times (0: as set)."""
+        """Do STEPS_GO, STEPS_STEP or STEPS_CONTINUE: `tool` says backward, `power` how many times (0: as set). Returns the number of an error, or
+        0."""
         if self._mode == RETURN:
             return errors.BUSY
         if self._has_moved_by_hand() and command.value != commands.STEPS_CONTINUE:
@@ -290,16 +298,20 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command)
 
     def _go_on(self, backward, most):
+        """Forget the manual moves, and walk the program."""
         self._forget_moves()
         self._start_walk(backward, most)
 
     def _is_pausing(self):
+        """Return True if a walk is held, or is about to be."""
         return self._next is not None or bool(self._machine.hold)
 
     def _has_moved_by_hand(self):
+        """Return True if manual moves lead away from the program."""
         return self._midway and self._hand.index != 0
 
     def _do_return(self, command):
+        """Do STEPS_RETURN: go back the way of the manual moves. Returns the number of an error, or 0."""
         if self._mode in (RUN, RETURN):
             return errors.BUSY
         if not self._midway:
@@ -312,6 +324,7 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command)
 
     def _go_back(self, backward):
+        """Walk the manual moves backward."""
         self._backward = backward
         self._most = ENDLESS
         self._hand.tool = False
@@ -319,7 +332,7 @@ class StepProgramOrders(Feature):
         self._begin_walk(self._hand, RETURN, True)
 
     def _do_jog(self, command):
-        """`target`: steps of each axis, one axis after the other."""
+        """Do STEPS_JOG: move by `target`, steps of each axis, one axis after the other. Returns the number of an error, or 0."""
         machine = self._machine
         if self._mode not in (IDLE, HAND) or self._is_pausing() and self._mode == HAND or machine.state not in ("idle", "run", "hold"):
             return errors.BUSY
@@ -344,12 +357,13 @@ class StepProgramOrders(Feature):
         return machine.accepted(command)
 
     def _walk_by_hand(self):
+        """Walk the manual moves."""
         self._hand.tool = self._hand_tool
         self._set_drives(True)
         self._begin_walk(self._hand, HAND, False)
 
     def _switch_by_hand(self, command):
-        """The tool or the drives by hand, at a stand."""
+        """Switch the tool or the drives at a stand. Returns the number of an error, or 0."""
         if self._mode != IDLE:
             return errors.BUSY
         if command.value == commands.STEPS_HAND_DRIVES:
@@ -361,7 +375,7 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command)
 
     def _set_pace(self, command):
-        """`feed` mm/min, from now on to the next speed of the program; it ends the wait for the operator's speed."""
+        """Do STEPS_PACE: `feed` mm/min, up to the next speed of the program. It ends the wait for the operator's speed."""
         if command.feed < 1:
             return errors.SPEED_RANGE
         speed = min(command.feed, self.fastest)
@@ -374,6 +388,7 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command)
 
     def _set_passes(self, command):
+        """Do STEPS_PASSES: `power` passes. Returns the number of an error, or 0."""
         if not 1 <= command.power <= MOST_PASSES:
             return errors.PASSES
         if (self._streaming or self.program.start) and command.power > 1:

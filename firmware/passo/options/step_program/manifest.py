@@ -18,7 +18,8 @@ RULES = {
 
 
 def rewrite(board):
-    """A raw board file whose pins are those of the lines of a parallel port, if it has these, and the masks of its levels."""
+    """Return (the raw board file, None), or with `port_pins` its pins by the lines of a parallel port, and the masks of its levels. Raises
+    BoardError."""
     section = board["step_program"]
     if not isinstance(section, dict) or "port_pins" not in section:
         return board, None

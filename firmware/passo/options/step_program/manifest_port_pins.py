@@ -19,7 +19,7 @@ _LINES = "01234567"
 
 
 def apply_pins(board):
-    """(a copy of a raw board file with its pins by lines, {"inverted": mask, "muted": mask}). Raises BoardError."""
+    """Return (a copy of a raw board file with its pins by lines, {"inverted": mask, "muted": mask}). Raises BoardError."""
     board = dict(board)
     section = board["step_program"] = dict(board["step_program"])
     pins = section.pop("port_pins")
@@ -51,6 +51,7 @@ def apply_pins(board):
 
 
 def _check_pins(board, pins, bits, invert):
+    """Raise BoardError if the section's three keys, or the rest of the board file, do not fit each other."""
     where = "step_program.port_pins: "
     drive = board.get("drive")
     if not isinstance(drive, dict) or drive.get("kind", "step_dir") != "step_dir":

@@ -36,17 +36,17 @@ MOST = const(0x3FFFFF)  # of a count or a value
 
 
 def run(mask, negative, count=1):
-    """`count` (1 … MOST) single steps."""
+    """Return the item of `count` (1 … MOST) single steps of the axes in `mask`."""
     return count << 8 | negative << 4 | mask
 
 
 def make_mark(kind, value=0):
-    """A mark with a value of 0 … MOST."""
+    """Return the item of a mark with a value of 0 … MOST."""
     return value << 8 | kind << 4
 
 
 def count_units(item):
-    """How many units an item is."""
+    """Return the number of units of an item."""
     if item & 15:
         return item >> 8
     return 0 if item >> 4 & 15 == WAS else 1
@@ -81,11 +81,11 @@ class StepProgram:
             self.at[axis] = self.low[axis] = self.high[axis] = 0
 
     def expect_more(self, more):
-        """`more`: items are to come, and a walk waits for them; else it is complete."""
+        """Open the program, if `more` items are to come and a walk waits for them; else close it."""
         self.open = more
 
     def cells_used(self):
-        """Cells in use."""
+        """Return the number of cells in use."""
         return (self.end - self.first) & COUNT_MASK
 
     def append(self, item):
@@ -147,6 +147,7 @@ class StepProgram:
         return at
 
     def _make_room(self, count):
+        """Return True if `count` cells are free; a ring forgets its oldest items for that."""
         if self.cells_used() + count <= self.size:
             return True
         if not self.ring:
@@ -157,11 +158,12 @@ class StepProgram:
         return True
 
     def _put_item(self, item):
+        """Write an item to the next cell."""
         self.items[self.end & self.mask] = item
         self.end = (self.end + 1) & COUNT_MASK
 
     def cut_off(self, cell, done, index):
-        """Forget what lies ahead of `index`, which is `done` units into `cell`."""
+        """Forget the items ahead of `index`, which is `done` units into `cell`."""
         if done:
             item = self.items[cell & self.mask]
             if item & 15:
@@ -171,7 +173,7 @@ class StepProgram:
         self.total = index
 
     def correct_speed(self, cell, speed):
-        """From `cell` on to the next SPEED, `speed` is what was in force: known only once the walk has come there."""
+        """Let `speed` be the one in force before the next SPEED from `cell` on: it is known only once the walk has come there."""
         while cell != self.end:
             if self.items[cell & self.mask] >> 4 & 15 == WAS and not self.items[cell & self.mask] & 15:
                 self.items[cell & self.mask] = make_mark(WAS, speed)

@@ -59,7 +59,7 @@ class StepProgramWalker:
     # --- while no interrupt walks it
 
     def go_to_start(self):
-        """Stand at the start of the program, the tool off."""
+        """Go to the start of the program, the tool off."""
         program = self.program
         self.cell = program.first
         self.index = program.start
@@ -68,11 +68,11 @@ class StepProgramWalker:
         self._take_speed(program.speed_before)
 
     def pause_for(self, ticks):
-        """The next step comes after `ticks`."""
+        """Let the next step come after `ticks`."""
         self.gap = ticks
 
     def follow_walker(self, other):
-        """Go on from another walker, whose last interval may still run."""
+        """Go on behind another walker, whose last interval may still run."""
         self.gap = max(self.gap, other.gap)
         other.gap = 0
 
@@ -91,7 +91,7 @@ class StepProgramWalker:
             self._go_to_next()
 
     def pass_station(self):
-        """Go past the STATION the walk has come to, and return its value; None if there is none."""
+        """Go past the STATION that the walk has come to. Returns its value; None if there is none."""
         program = self.program
         if self.cell == program.end or self._done:
             return None
@@ -107,11 +107,11 @@ class StepProgramWalker:
         self.program.cut_off(self.cell, self._done, self.index)
 
     def at_start(self):
-        """True if there is nothing behind."""
+        """Return True if nothing lies behind."""
         return self.cell == self.program.first and not self._done
 
     def at_end(self):
-        """True if there is nothing ahead."""
+        """Return True if nothing lies ahead."""
         program = self.program
         if self.cell == program.end:
             return True
@@ -125,23 +125,23 @@ class StepProgramWalker:
         self._wanted = mm_min
 
     def step_us(self, mask):
-        """Period of a step of the axes in `mask` at the speed in force, whole microseconds."""
+        """Return the period of a step of the axes in `mask` at the speed in force, in whole microseconds."""
         return self._period_us(mask, self._wanted or self.speed)
 
     # --- the next segment: may run in an interrupt, no integer of 2³⁰
 
     @micropython.native
     def ends(self):  # ISR: no allocation
-        """True if no word of this walk is to come."""
+        """Return True if no word of this walk is to come."""
         return not (self.left or self.gap)
 
     def rolling(self):  # ISR: no allocation
-        """True while it would have to slow down before it can stand: never, its steps are slow enough to stop between two."""
+        """Return False: steps are slow enough to stop between two."""
         return False
 
     @micropython.native
     def ready(self):  # ISR: no allocation
-        """True unless the walk has to wait for more to come."""
+        """Return True unless the walk has to wait for more items."""
         if self._dry:
             self._go_to_next()
         return not self._dry or self.gap > 0
@@ -174,14 +174,15 @@ class StepProgramWalker:
 
     @micropython.native
     def _write_pause(self, words, at, ticks, base, bits):  # ISR: no allocation
+        """Write a word of `ticks` without a step. Returns 1."""
         words[at] = ticks << bits | base
         self.ticks = ticks
         return 1
 
     @micropython.native
     def _write_steps(self, words, at, room, base, bits):  # ISR: no allocation
-        """The words of as many steps as fit into `room` and a segment. Long, because runs may be short: each call would cost a
-        run of one step 15 µs, so all is kept in locals, and _go_to_next() is left for the end."""
+        """Write the words of as many steps as fit into `room` and a segment. Returns how many. Long, because runs may be short: each call would cost
+        a run of one step 15 µs, so all is kept in locals, and _go_to_next() is left for the end."""
         program = self.program
         items = program.items
         cells = program.mask
@@ -267,7 +268,7 @@ class StepProgramWalker:
 
     @micropython.native
     def _step_over(self):  # ISR: no allocation
-        """Pass the mark it stands before."""
+        """Pass the mark that the walk stands before."""
         if self.backward:
             self._done = 0
             self.index = (self.index - 1) & COUNT_MASK
@@ -279,7 +280,7 @@ class StepProgramWalker:
 
     @micropython.native
     def _go_to_next(self):  # ISR: no allocation
-        """From the end of an item go on, over all marks that take no time, to the next run or wait, or to the end."""
+        """Go from the end of an item over all marks that take no time to the next run or wait, or to the end."""
         program = self.program
         items = program.items
         self._dry = False
@@ -327,7 +328,7 @@ class StepProgramWalker:
 
     @micropython.native
     def _pass_mark(self, kind, value):  # ISR: no allocation
-        """Deal with a mark; True if the walk stays before it for now."""
+        """Act on a mark, and pass it. Returns True if the walk stays before it for now."""
         if kind == TOOL:
             tool = (value >> 1 if self.backward else value) & 1
             if tool != self.tool:
@@ -347,6 +348,7 @@ class StepProgramWalker:
 
     @micropython.native
     def _change_speed(self):  # ISR: no allocation
+        """Take the speed asked for; the interval under way lasts no longer than a new one."""
         self._take_speed(self._wanted)
         self._wanted = 0
         if self.moving and self.gap and not self.wait_ms:
@@ -356,11 +358,13 @@ class StepProgramWalker:
 
     @micropython.native
     def _take_speed(self, mm_min):  # ISR: no allocation
+        """Compute the half ticks a step of each mask of axes at mm_min."""
         self.speed = mm_min
         for mask in range(1, len(self._each)):
             self._each[mask] = self._period_us(mask, mm_min) * 25
 
     @micropython.native
     def _period_us(self, mask, mm_min):  # ISR: no allocation
+        """Return the whole microseconds of a step of the axes in `mask` at mm_min, _LONGEST_US at most."""
         period_us = (self._lengths[mask] + (mm_min >> 1)) // mm_min
         return period_us if period_us < _LONGEST_US else _LONGEST_US

@@ -37,6 +37,7 @@ class Tachometer(SpindleSpeed):
         report["rpm"] = self.rpm
 
     def look(self, now_ms):
+        """Measure the speed each PERIOD_MS; raise alarm 244 if it is late or falls behind."""
         machine = self._machine
         if machine.spindle == SPINDLE_OFF or machine.alarm or not self._queue.lit():
             wanted = 0
@@ -55,6 +56,7 @@ class Tachometer(SpindleSpeed):
             machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)
 
     def _measure_rpm(self, now_ms):
+        """Compute the speed from the pulses since the last look; 0 after _QUIET_TURNS without one."""
         count = self._pulses.count_pulses()
         came = (count - self._count) & COUNT_MASK
         if came:

@@ -29,10 +29,12 @@ class PinPulses:
 
     @micropython.native
     def on_edge(self, pin):  # ISR: no allocation
+        """Count a pulse, and keep its time. Called in the pin's interrupt, about 20 µs."""
         now = ticks_us() & COUNT_MASK
         if (now - self.us) & COUNT_MASK >= _LEAST_US:
             self.us = now
             self._count = (self._count + 1) & COUNT_MASK
 
     def count_pulses(self):
+        """Return the number of pulses, modulo 2²⁹."""
         return self._count

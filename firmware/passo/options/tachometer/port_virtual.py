@@ -9,6 +9,7 @@ class Pulses:
         self.us = 0
 
     def count_pulses(self):
+        """See PinPulses; the world counts."""
         count, tick = self._port.world.pulses(self._port.now)
         self.us = tick * 2 // 25 & COUNT_MASK
         return count & COUNT_MASK

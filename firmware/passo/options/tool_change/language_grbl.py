@@ -47,7 +47,8 @@ class ToolChange:
         self._bottom = self._top - travel
 
     def append_change(self, gcode, made, tool, spindle, rpm, coolant):
-        """None: M6 is in `made`, spindle and coolant with it; True: a pause is all it is; False: nothing is. Raises Refused."""
+        """Append the commands of M6 to `made`. Returns None if spindle and coolant are among them, True if a pause is all, False if M6 does nothing.
+        Raises Refused."""
         value = gcode.machine.settings.value
         way = value(_WAY)
         if way == 0 or way == 4:
@@ -87,7 +88,7 @@ class ToolChange:
         gcode._steps = list(gcode._to_steps(gcode.position))
 
     def _go_by(self, gcode, target, kind=commands.LINE, feed=0):
-        """[a motion]."""
+        """Return [the motion to `target`, nm], a line or a probe at `feed` nm/s (0: rapid)."""
         command = gcode._go_to(kind, target, feed)
         command.value = 0
         return [command]

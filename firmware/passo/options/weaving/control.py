@@ -26,6 +26,7 @@ class Weaving(Program):
         return handlers
 
     def _set_spec(self, command):
+        """Do WEAVE. Returns the number of an error, LATER, or 0."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
@@ -37,7 +38,7 @@ class Weaving(Program):
         return machine.accepted(command)
 
     def _do_seam(self, command):
-        """One seam, from rest."""
+        """Do SEAM: one seam, from rest. Returns the number of an error, or 0."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
@@ -54,6 +55,7 @@ class Weaving(Program):
         return result
 
     def on_events(self, what):
+        """Weave no more after power-up or a reset; see the base."""
         if what & ANEW:
             self._spec = None
         if what & Program.event_mask:
@@ -90,7 +92,7 @@ class Weaving(Program):
         return True
 
     def _make_woven(self, command):
-        """The Woven of a line or an arc. Raises ValueError."""
+        """Return the Woven of a line or an arc. Raises ValueError."""
         plane, circle = (0, 1), None
         if command.kind == commands.ARC:
             plane = command.first, command.second

@@ -10,7 +10,8 @@ def extend(protocol, board):
 
 
 def weave_commands(words, text):
-    """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/use/weaving.md; 0: off. `words`: the parser's. Returns as System.execute_line()."""
+    """Return the command of SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]] (docs/use/weaving.md) or of 0, off; or the number of an error. `words`: the
+    parser's."""
     if text == "0":
         return [Command(commands.WEAVE, value=None)]
     parts = (text + ",0,0,0").split(",")[:6]

@@ -48,7 +48,7 @@ _POINTS = {
 
 
 def is_out_of_range(spec):
-    """True of a spec that is out of range."""
+    """Return True if a value of the spec is out of its range."""
     shape, amplitude, pitch, left, right, along = spec
     return not (
         ZIGZAG <= shape <= SINE and 0 < amplitude <= MOST_AMPLITUDE_UM and LEAST_PITCH_UM <= pitch <= MOST_PITCH_UM
@@ -98,7 +98,7 @@ class Woven:
         self._before = [0] * len(deltas)
 
     def _take_arc(self, end, centre, clockwise, turns, over_half):
-        """Take an arc's measures; returns its length."""
+        """Take the arc's centre, radius and sweep. Returns its length in nm. Raises ValueError."""
         steps_per_m = self._steps_per_m
         plane = self._a, self._b
         self._centre = [centre[index] * NM_PER_M // steps_per_m[plane[index]] for index in (0, 1)]
@@ -124,10 +124,11 @@ class Woven:
         return arc_length(radius, sweep)
 
     def _turn_arm(self, angle):
+        """Return the start, seen from the arc's centre and turned by `angle`, in nm."""
         return rotate(self._arm[0], self._arm[1], -angle if self._clockwise else angle)
 
     def _sine_points(self):
-        """The points of a sine's pitch: enough to keep chords within ¼ step of it."""
+        """Return the points of a sine's pitch: enough to keep chords within ¼ step of it."""
         finest = max(self._steps_per_m[self._a], self._steps_per_m[self._b])
         steps = self._amplitude * finest // NM_PER_M + 1
         count = 4 * (isqrt(2 * steps) * 2 // 3 + 4)  # 2π·√(A/2) chords and more, a multiple of four
@@ -139,11 +140,11 @@ class Woven:
         return points
 
     def _offset_nm(self, side):
-        """nm to the left of the seam, of a point's second field."""
+        """Return the nm to the left of the seam of a point's second field."""
         return self._amplitude * side // _PEAK
 
     def _path_speed(self, nm_s):
-        """The speed along the path, for one along the seam."""
+        """Return the speed along the path, nm/s, for `nm_s` along the seam."""
         pitch = self._length // self._pitches
         path = at = beside = 0
         for along, side, _ in self._points:
@@ -154,14 +155,14 @@ class Woven:
         return nm_s * path // pitch or 1
 
     def edge_points(self):
-        """Places in steps of all axes that the seam's edges reach: for the travel's limits."""
+        """Yield the positions that the seam's edges reach, in steps of all axes from its start: for the travel's limits."""
         whole = self._pitches * self._of_pitch
         for pitch in range(self._pitches):
             for along, side, _ in self._points:
                 yield self._position_at(pitch * self._of_pitch + along, whole, self._offset_nm(side))
 
     def add(self, planner):
-        """Queue the next piece: a chord, or the dwell behind it. One too short for a step is none."""
+        """Queue the next piece: a chord, or the dwell behind it. A chord too short for a step queues nothing."""
         if self._dwell:
             ms, self._dwell = self._dwell, 0
             planner.wait(ms * TICKS_PER_MS, self._tool, self._tag)
@@ -173,6 +174,7 @@ class Woven:
                 planner.flush()
 
     def _queue_chord(self, planner):
+        """Queue the next chord."""
         along, side, dwells = self._points[self._point]
         to = self._pitch * self._of_pitch + along
         offset = self._offset_nm(side)
@@ -191,6 +193,7 @@ class Woven:
             self._next_point(to, offset, dwells and side)
 
     def _next_point(self, to, offset, side):
+        """Go to the next point of the pitch; note the dwell at this one."""
         self._part = 0
         self._from = to, offset
         if side:
@@ -201,7 +204,7 @@ class Woven:
             self._pitch += 1
 
     def _count_chords(self, way):
-        """Chords on the way from one point to the next: on an arc enough to keep them within ¼ step of the bent line."""
+        """Return the number of chords to the next point: 1, on an arc enough to keep them within ¼ step of the bent line."""
         if not self._radius or not way:
             return 1
         angle = arc_length(1 << 20, self._sweep * way // (self._pitches * self._of_pitch))
@@ -210,7 +213,7 @@ class Woven:
         return (isqrt(angle * angle * steps // 2) >> 20) + 1
 
     def _position_at(self, part, whole, offset):
-        """Steps of all axes from the seam's start, `part` of `whole` along it and `offset` nm to its left."""
+        """Return the steps of all axes from the seam's start, `part` of `whole` along it and `offset` nm to its left."""
         found = [(2 * delta * part // whole + 1) >> 1 for delta in self._deltas]
         if part == whole and not offset:
             return list(self._deltas)
