@@ -406,7 +406,7 @@ def check_store(capacity, points):
     kept = []
     for put, x, y in points:
         if put and store.free():
-            store.put_job(x, y, bool(x & 1))
+            store.put(x, y, bool(x & 1))
             kept.append((x, y, bool(x & 1)))
         elif not put and store.count:
             assert store.take() == kept.pop(0)

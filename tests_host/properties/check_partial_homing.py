@@ -163,7 +163,7 @@ def check_settings_that_move_zero_lose_it():
                 assert record.homed
                 assert "ok" in machine.ask(change)
                 machine.cycles(5)
-                assert not record.homed and not record.is_known, change
+                assert not record.homed and not record.known, change
             assert CAUTION in moved(machine, "G0X1")
 
 

@@ -124,7 +124,7 @@ def check_answers_in_any_pieces(most, size):
 
 def guard(key=KEY, admitted=None):
     made = Guard((b"passo.local", b"192.168.4.1"), key, NONCE, lambda peer: peer[:10] == "192.168.4.")
-    made.admit(admitted, (b"/HALT",))
+    made.set_admission(admitted, (b"/HALT",))
     return made
 
 
@@ -194,7 +194,7 @@ def check_admission():
     assert made.proven(request(), 0)
     assert not made.proven(request(peer="192.168.1.2"), 0)
     assert not made.proven(request(b"1." + b"0" * 64), 0)
-    made.admit(lambda: True, (b"/HALT",), (request().path,))
+    made.set_admission(lambda: True, (b"/HALT",), (request().path,))
     assert not made.proven(request(), 0), "a path of Passo's own"
     assert not guard(admitted=lambda: False).proven(request(), 0)
     assert not guard().proven(request(), 0)
