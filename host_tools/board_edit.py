@@ -73,6 +73,7 @@ class _Text:
     """A board file's text, and where its nodes stand in it."""
 
     def __init__(self, text):
+        """Parse a board file's text. Raises SyntaxError."""
         self._bytes = text.encode()
         self._lines = [0]
         for line in self._bytes.splitlines(keepends=True):

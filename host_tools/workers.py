@@ -37,6 +37,7 @@ class _Worker:
     """A process that works on one item after another."""
 
     def __init__(self, work):
+        """Start a process that calls `work`."""
         interpreter.isolate()  # the other process begins by looking for Python's own modules
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()

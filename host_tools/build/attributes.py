@@ -17,6 +17,8 @@ _FIRST_OF_MODULE = 16  # short names of a module's own; arguments.py gives those
 
 
 class _Module:
+    """A module's text, its nodes, and its private methods."""
+
     def __init__(self, text):
         self.text = text
         self.tree = ast.parse(text)

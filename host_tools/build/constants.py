@@ -26,7 +26,10 @@ _CAPITALS = re.compile(r"\b[A-Z][A-Z0-9_]*\b")
 _ARITHMETIC = (ast.Constant, ast.Name, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Load)
 
 class _Module:
+    """A module of a build: names bound, constants, edits to be made."""
+
     def __init__(self, path, text):
+        """Read a text. Raises Failure with its line if it is not Python."""
         self.path = path
         self.name = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
         self.text = text

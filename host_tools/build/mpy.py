@@ -40,6 +40,8 @@ Module = namedtuple("Module", "functions end names texts")  # see functions_of()
 
 
 class Function:
+    """A function in an .mpy: where it begins, its code's offset and length in bytes, its kind, and its table's fields."""
+
     def __init__(self, begin, offset, length, kind):
         self.begin = begin  # of the number before the code
         self.offset = offset
@@ -51,6 +53,8 @@ class Function:
 
 
 class _Reader:
+    """Reads an .mpy from a position on: numbers, names, objects, functions."""
+
     def __init__(self, data):
         self.data = data
         self.at = 0

@@ -187,6 +187,8 @@ class Finder(importlib.abc.MetaPathFinder):
 
 
 class _Loader(importlib.abc.Loader):
+    """Loads a module as `inner` does, and puts compiled kernels into it."""
+
     def __init__(self, inner, library, names):
         self._inner, self._library, self._names = inner, library, names
 
@@ -235,6 +237,7 @@ class Library:
     """The compiled kernels. Only one thread may call them."""
 
     def __init__(self, path, table):
+        """Load the library at `path`. `table`: as compile_library() returns it."""
         self._library = ctypes.PyDLL(str(path))  # which keeps the interpreter's lock: a call is short
         self._names, self._kernels = table["names"], table["kernels"]
         self._usual = {full: ctypes.addressof(ctypes.c_char.in_dll(self._library, name)) for full, name in table["usual"].items()}

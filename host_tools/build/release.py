@@ -52,7 +52,10 @@ def main():
 
 
 class Release:
+    """The steps of a release, in the order of main(); each raises Failure if it cannot be done."""
+
     def __init__(self, out):
+        """Name the folders below `out`, and the environments of the steps."""
         self.assets = out / "assets"
         self._out, self._clone, self._again, self._tools = out, out / "passo", out / "again", out / "tools"
         self._python = python_of(self._tools)

@@ -42,6 +42,7 @@ class Written:
     """A drawing as G-code. `digest`: of its lines; `seconds`: that they take, about."""
 
     def __init__(self, machine, plan, said):
+        """Make the lines, and estimate their time. Raises Failure if an option is wrong."""
         self._plan, self._cuts = plan, cuts_of_parts(machine, plan, said)
         change = None if said.pens == "none" else [line.strip() for line in (said.change or "M0").split(";")]
         self.lines = gcode.lines_of(plan, self._cuts, change)

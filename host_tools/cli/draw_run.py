@@ -35,6 +35,7 @@ class Plotted:
     """A drawing for a plotter. `seconds`: that it takes, about."""
 
     def __init__(self, machine, plan, said):
+        """Estimate the time of a plan on a plotter. `said`: the command's options."""
         from host_tools.programs import estimate
 
         self._machine, self._plan, self._said = machine, plan, said
@@ -215,6 +216,7 @@ class _Progress:
     """A bar that fills with the estimated time, and the time left by the pace kept so far."""
 
     def __init__(self, console, job, machine, speed):
+        """Estimate the time of each object of a Job."""
         from rich.progress import BarColumn, Progress, TextColumn
 
         from host_tools.programs import estimate

@@ -21,6 +21,7 @@ class Table:
     """
 
     def __init__(self, board):
+        """Take the rows of a board file, a dict. Raises Failure if it has no interlock, BoardError if it is wrong."""
         from passo.options.interlock import manifest_table
         from passo.config.boardfile import check
 
@@ -54,6 +55,8 @@ class Table:
 
 
 class Row:
+    """A row of an interlock: true if one of its products is. `products`: [{input or signal: True if it must be active}]."""
+
     def __init__(self, name, products):
         self.name = name
         self.products = products

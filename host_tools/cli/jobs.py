@@ -117,7 +117,7 @@ def store(
     if language not in stored_job.KINDS:
         raise Failure("--language is {}, not {!r}", ", ".join(stored_job.KINDS), language)
     make, unit, count = stored_job.KINDS[language]
-    data = make(file, partial(_tell_end, file)) if language == "grbl" else make(file)
+    data = make(file, partial(_print_end, file)) if language == "grbl" else make(file)
     packed = stored_job.pack_job(data)
     name = (name or stored_job.name_of(file)).upper()
     if card:
@@ -149,7 +149,7 @@ def store(
                 raise Failure("{} is stored, but not right: {}", name, refused) from None
 
 
-def _tell_end(file, number, behind):
+def _print_end(file, number, behind):
     """Print that a program ends at line `number`, and how many lines stand behind it."""
     print(_("{} ends at line {}; what stands behind it is no part of the program: {}", file.name, number, count_text(behind, "line")))
 

@@ -41,6 +41,8 @@ def _serve_folder(folder, port):
     from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
     class Quiet(SimpleHTTPRequestHandler):
+        """A file server that prints nothing."""
+
         def log_message(self, *_):
             """Print nothing about requests of the page."""
 

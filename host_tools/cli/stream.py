@@ -181,6 +181,7 @@ class Panel:
     called once a second, and at the end, with the line that moves the machine."""
 
     def __init__(self, client, lines, seconds=None, origin=line_text, keep=None):
+        """Begin to count the job's time. `lines`: [(number, bytes)] to be sent."""
         self._keep = keep
         self._kept = 0.0
         self._client = client

@@ -19,6 +19,8 @@ ORIGIN = N_("the sensors of the origin")
 
 @dataclass(frozen=True)
 class Place:
+    """A place in a document: `name` is a table, figure or section; `document` a key of NAMES; `page` 0: none."""
+
     name: str
     document: str
     page: int

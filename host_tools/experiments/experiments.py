@@ -14,6 +14,8 @@ from host_tools.language import N_, _
 
 @dataclass(frozen=True)
 class Experiment:
+    """An experiment: its title, the document that it is of, and the kinds of places at which it can be measured."""
+
     title: str
     document: str
     kinds: tuple  # of places

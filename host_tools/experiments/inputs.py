@@ -19,6 +19,8 @@ SWITCHES = {"vacuum": (b"M10\n", b"M11\n"), "flood": (b"M8\n", b"M9\n"), "mist":
 
 @dataclass
 class Pressed:
+    """An input that was pressed alone: the name expected in the report, and the names reported."""
+
     name: str
     expected: str
     reported: str  # while it was pressed

@@ -30,6 +30,8 @@ def place_of(name, moves=False):
 
 
 class Virtual:
+    """The virtual machine, on this PC: it has no chip."""
+
     kind, moves = VIRTUAL, True
 
     def __enter__(self):
@@ -50,9 +52,12 @@ class Virtual:
 
 
 class Emulated(Virtual):
+    """The emulated Pico."""
+
     kind = EMULATED
 
     def __init__(self):
+        """Load the emulator. Raises Unavailable if there is none, or no UF2, before anything is built."""
         from host_tools.emulator.binary import find_uf2, load_emulator
 
         load_emulator()
@@ -82,9 +87,12 @@ class Emulated(Virtual):
 
 
 class OnPort:
+    """A board on a serial port: it has a chip, and no plant to look into."""
+
     kind = BOARD
 
     def __init__(self, port, moves):
+        """Take the board on `port`; `moves`: its pins may be driven."""
         from host_tools.prove.connection import PortBoard
 
         self._port = port

@@ -10,6 +10,8 @@ NOTHING = 1e-9  # of a distance: less is the rounding of floats
 
 @dataclass
 class Row:
+    """A row of the table: a figure of the author's, and the one measured."""
+
     what: str
     author: Author
     ours: float | None  # None: not measured; `told` says why
@@ -20,6 +22,8 @@ class Row:
 
 @dataclass
 class Outcome:
+    """The result of an experiment at a place."""
+
     how: str  # the way of measuring, a sentence
     rows: list = field(default_factory=list)
     pictures: list = field(default_factory=list)  # (caption, SVG)

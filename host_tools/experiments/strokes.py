@@ -22,6 +22,8 @@ UP_MS, CONNECT_MS = 4000, 100
 
 @dataclass
 class Stroke:
+    """A stroke as the motor made it."""
+
     axis: str
     length: int  # mm asked for
     made: float  # mm, by the motor's steps

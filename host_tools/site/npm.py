@@ -21,6 +21,8 @@ _FETCH_S = 60
 
 @dataclass
 class Package:
+    """A package of npm's registry, one version of one checksum."""
+
     what: str  # its name for people
     name: str  # with its @scope/
     version: str

@@ -48,6 +48,8 @@ class Wire:
 
 @dataclass
 class Sheet:
+    """A sheet of A4: parts, wires and the module with their positions, in mm."""
+
     board: dict
     columns: dict
     module: object

@@ -19,6 +19,8 @@ _BUTTONS = ("door", "repl", "hold", "resume", "reset", "job", "admit", "jog_", "
 
 @dataclass
 class Terminal:
+    """A terminal of a part, and the pin that it goes to."""
+
     label: str
     pin: object
 
