@@ -32,7 +32,7 @@ class Port:
         self._changed(self._serial.fileno(), True)
 
     def look(self):
-        """Try to open a port that went away, now and then."""
+        """Try to open a port that went away, once each second."""
         if self._serial is None and not self._lent and time.monotonic() - self._tried >= _AGAIN_S:
             try:
                 self.open()
@@ -40,7 +40,7 @@ class Port:
                 pass
 
     def read(self):
-        """What has come, b"" without a port."""
+        """Return the bytes received since the last call; b"": none, or no port."""
         if self._serial is None:
             return b""
         try:
@@ -61,12 +61,12 @@ class Port:
             self._lose_port()
 
     def lend_port(self):
-        """Leave the port to another program until take_back()."""
+        """Close the port and leave it to another program until take_back()."""
         self._lent = True
         self.close()
 
     def take_back(self, name, baud):
-        """The board is at this port, and it is free again. It is opened by look(), once it is there."""
+        """Note that the board is at port `name`, and that it is free again. look() opens it once it is there."""
         self.name, self.baud = name, baud
         self._lent = False
 
@@ -101,7 +101,7 @@ class Demo:
         return line[6:].strip()
 
     def change_board(self, board):
-        """Another machine; returns its port."""
+        """Start the virtual board anew with the board file `board`. Returns the name of its port. Raises Failure."""
         self.close()
         self.board = board
         self.name = self._start_board()

@@ -27,7 +27,7 @@ class Cable:
         self._present = Path(present).name  # of a file in another folder
         self._become = become
         self.files = {self._present: present} if present else {}  # name: board file, as boards.load() takes it
-        self.wrong = []  # what of the user's own cannot be used, and why
+        self.wrong = []  # sentences: which of the user's own files cannot be used, and why
         chip = boards.load(present)["chip"] if present else None
         for shown, file in board_files.available_files(own).items():
             try:
@@ -40,7 +40,7 @@ class Cable:
         self._speaking = speaking
 
     def machine_names(self):
-        """The present machine first."""
+        """Names of the board files to choose from, the present one first."""
         return [self._present] + [name for name in self.files if name != self._present]
 
     def change_machine(self, name):
@@ -58,7 +58,7 @@ class Cable:
         return port, link, table
 
     def _usable_link(self, table, speaking):
-        """The link of a board file that the panel can use: one on USB if the panel has no other cable."""
+        """The link of a board file's table that the panel can use, a dict: one on USB if the panel has no other cable; None: there is none."""
         links = [link for link in table["links"] if link["protocol"] in speaking and link["port"] not in NETWORK_PORTS]
         usb = [link for link in links if link["port"] == USB]
         return (usb or links or [None])[0] if self._port == self._prompt else (links or [None])[0]

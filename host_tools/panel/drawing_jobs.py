@@ -3,7 +3,7 @@
     made = words_of(board, machine)
     made("map.svg", text)                       # ("map.svg.txt", "MOVE 10 20\\nLINE …"), or the number of an error
     made("map.svg", text, (20.0, 30.0, 80.0))   # its outlines' lower left corner at 20, 30 mm, 80 mm wide; None for a width: as wide as it is
-    made = gcode_of(board, machine)             # ("map.svg.gcode", "G21 G90 …"); what is G-code stays as it is
+    made = gcode_of(board, machine)             # ("map.svg.gcode", "G21 G90 …"); a file of G-code stays as it is
 """
 
 import tempfile
@@ -21,7 +21,8 @@ _MOST_BYTES = 4 << 20  # of a file
 
 
 def words_of(board, machine):
-    """A function of name and text; `board`: the checked board file of the plotter, above which stand the settings that its machine has told."""
+    """Return the function made(name, text, place=None) for a plotter. `board`: its checked board file; settings received by `machine` replace its
+    values."""
     from host_tools.drawings.packets import packet_words
     from host_tools.drawings.sources import SUFFIXES
 
@@ -32,7 +33,7 @@ def words_of(board, machine):
 
 
 def gcode_of(board, machine):
-    """The same for a machine that speaks grbl; what its settings say (steps/mm, travel, laser, $30) stands above its board file."""
+    """Return the same function for a machine that speaks grbl; its settings (steps/mm, travel, laser, $30) replace the board file's values."""
     from host_tools.drawings import gcode
     from host_tools.drawings.sources import GCODE, SUFFIXES
 
@@ -54,7 +55,7 @@ def _no_program(name, text):
 
 
 def _job_maker(board_now, suffixes, suffix, write, read=None):
-    """`read(name, text)`: 0, or why a file that is no drawing is no job."""
+    """Return the function that makes a job of an uploaded file. `read(name, text)`: 0, or why a file that is no drawing is no job."""
 
     def make_job(name, text, place=None):
         if not name.lower().endswith(suffixes):
@@ -80,7 +81,7 @@ def _job_maker(board_now, suffixes, suffix, write, read=None):
 
 
 def _place_options(plan, x, y, width):
-    """Options that put a drawing's outlines elsewhere, and make them so wide."""
+    """Options that move the lower left corner of a drawing's outlines to x, y and scale them to `width`, all in mm; None: the drawing's width."""
     from host_tools.drawings.placement import Options
 
     left, _, right, _ = plan.box_mm

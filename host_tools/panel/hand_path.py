@@ -1,10 +1,10 @@
-"""What has been moved by hand, as straight lines and arcs of G-code that stay within a step of it.
+"""The path of moves by hand as straight lines and arcs of G-code that stay within a step of it.
 
     lines = fit_program([(0, 0), (10, 0)], [[(5, 0)]], (320, 320))      # positions in mm, what was seen on the way to each, steps/mm
     # ["G1 X10.000"]
 
 A way whose positions lie on its chord is straight; all others go where they were seen. From each position on, the line or arc that leads
-farthest is taken. An arc's third axis goes along with its angle, as in a helix. Where axes differ in scale, a step is the longer one.
+farthest is taken. An arc's third axis goes along with its angle, as in a helix. If axes differ in scale, a step is the longer one.
 """
 
 import math
@@ -18,7 +18,8 @@ _PLANES = ((0, 1, 17, "IJ"), (2, 0, 18, "KI"), (1, 2, 19, "JK"))
 
 
 def fit_program(points, ways, scales):
-    """The lines that lead from points[0] on. Needs numpy."""
+    """Return the lines of G-code that lead from points[0] on. `points`: positions at rest in mm; `ways`: the positions seen on the way to each but
+    the first; `scales`: steps/mm. Needs numpy."""
     path = _Path(points, ways, scales)
     lines, plane, at = [], 17, 0
     while at < len(path.steps) - 1:
@@ -61,8 +62,8 @@ class _Path:
         return [value * scale for value, scale in zip(position, self._scales)]
 
     def _farthest_fit(self, first, fits):
-        """The last position up to which fits(end) holds, from `first` on, which is taken to fit: by doubling, then halving. A position at
-        which the machine stood, if it comes by one: what goes on behind it is another move."""
+        """The index of the last position up to which fits(end) holds; fits(first) is taken for granted. Searches by doubling, then halving. Prefers
+        a position at which the machine stood, because another move begins there."""
         last = len(self.steps) - 1
         good, step = first, 1
         while good < last and fits(min(good + step, last)):
@@ -75,12 +76,12 @@ class _Path:
         return next((at for at in range(good, first - 1, -1) if at in self._rests), good)
 
     def line_end(self, at):
-        """Where the line from `at` ends."""
+        """The index at which the straight line from index `at` ends."""
         return self._farthest_fit(at + 1, lambda end: self._is_straight(self.steps[at : end + 1]))
 
     @staticmethod
     def _is_straight(positions):
-        """Whether positions lie on the way from the first to the last, one behind the other."""
+        """True if positions, in steps, lie on the straight line from the first to the last, one behind the other."""
         first, last = positions[0], positions[-1]
         way = [b - a for a, b in zip(first, last)]
         length = math.hypot(*way)
@@ -158,7 +159,7 @@ class _Path:
 
 
 def _distance_off(flat, centre):
-    """How far the farthest position lies off the circle through 0;0 about `centre`."""
+    """The distance of the farthest position from the circle through 0;0 about `centre`, in steps."""
     import numpy as np
 
     return float(np.abs(np.hypot(*(flat - np.array(centre)).T) - np.hypot(*centre)).max())

@@ -1,10 +1,10 @@
-"""What a job will do, as far as its lines say: about how long it takes, its tools, and where it waits for somebody.
+"""The facts of a job that follow from its lines: about how long it takes, its tools, and how often it waits for somebody.
 
     gcode_facts(lines, settings)            # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses", "refused"}
     packets_of(board)(lines, settings)      # the same of a plotter's job
 
 `refused`: [line, error] of the first line that the firmware's parser refuses, or None; machines with a rotary axis are not asked.
-`parts`: estimated seconds up to each 32nd of the lines. A job of more than MOST_LINES is not estimated: what is asked next waits for it.
+`parts`: estimated seconds up to each 32nd of the lines. A job of more than MOST_LINES is not estimated: the next order would wait for it.
 """
 
 import re
@@ -41,7 +41,7 @@ def _first_refusal(lines, answers):
 
 
 def tools_of(lines):
-    """The tools that are changed to, in order: T goes before M6 or beside it."""
+    """The tools that a program changes to, ["T1", …] in order; T stands before M6 or beside it. `lines`: [(number, bytes)]."""
     found, chosen = [], ""
     for _, line in lines:
         line = line.upper()

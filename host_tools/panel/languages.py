@@ -18,11 +18,11 @@ BAUD = {"grbl": 115_200, "pulses": 115_200, "torch": 115_200, "plotter": 57_600,
 
 
 class Spoken:
-    """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them, None: it knows no
-    jobs; `about`: what the page is to know of it."""
+    """The parts of one language: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them, None: it knows no
+    jobs; `about`: fields for the page's first message."""
 
     def __init__(self, machine, teach, read, about, join=None, made=None, facts=None):
-        """`join(store)`: what of the machine wants its jobs; `made`, `facts`: as a Store takes them."""
+        """`join(store)`: gives the machine its jobs; `made`, `facts`: as a Store takes them."""
         self.facts = facts
         self.made = made
         self.join = join or (lambda store: None)
@@ -33,7 +33,7 @@ class Spoken:
 
 
 def create(language, board, write, tell, guest=None):
-    """`board`: a board file's table; `write(bytes)`, `tell(event)`, `guest(bytes)` as a machine takes them."""
+    """Create the Spoken of a language. `board`: a board file's table; `write(bytes)`, `tell(event)`, `guest(bytes)` as a machine takes them."""
     board = check(board)
     if language == "grbl":
         return _create_grbl(board, write, tell, guest)

@@ -40,7 +40,7 @@ class Form:
         return self._groups
 
     def pins(self):
-        """The chip's pins."""
+        """The numbers of the chip's pins that a board file may name."""
         return [pin for pin in range(PIN[2], PIN[3] + 1) if self._has_pin(pin)]
 
     def _has_pin(self, pin):
@@ -110,7 +110,7 @@ class Form:
         return {"name": item["name"], "fields": fields}
 
     def _port_group(self):
-        """The image of the parallel port: at which bit each function is, and whether inverted."""
+        """The group of the parallel port: the bit of each function, and whether it is inverted; None: the machine has no such port."""
         program = self._board.get("step_program")
         if not program:
             return None
@@ -149,7 +149,7 @@ class Form:
         return items | {key: value for key, value in found.items() if not any(key.startswith(start + ".") for start in absent)}
 
     def _field_of(self, key):
-        """The field of a key; one more pin with a function that the machine has not. Raises Failure."""
+        """The field of a key; for a new pin of inputs or outputs an empty field. Raises Failure for any other key."""
         if key in self._fields:
             return self._fields[key]
         if not _NEW.fullmatch(key):
@@ -157,7 +157,7 @@ class Form:
         return {"kind": "pin", "lacks": True, "value": _ABSENT}
 
     def _value_of(self, found, key, field, value):
-        """{path: value} of one field; pins of an axis are one value."""
+        """{path: value} of one field; the pins of an axis are one list, of which `found` may have some already."""
         start, _, last = key.rpartition(".")
         if start.endswith(".pins"):
             axis = start.split(".")[1]

@@ -30,7 +30,7 @@ class OwnBoards:
         self._told = set(files)
 
     def carry_out(self, order):
-        """The answer to an order, which touches the disk: beside the panel's loop. Then finish() returns it there."""
+        """Carry out an order, and return its answer. It touches the disk, so the panel calls it beside its loop; then it calls finish()."""
         try:
             name = text_field(order, "name", 64)
             do = {"get": self._describe_board, "new": self._create_board, "set": self._change_board, "back": self._restore_board, "remove": self._remove_board}.get(order["what"])
@@ -45,7 +45,7 @@ class OwnBoards:
             return errors.ORDER_FIELD
 
     def finish(self, answer):
-        """Return the answer. Tells all pages if the list of machines has changed."""
+        """Return the answer; call `tell` if the list of machines has changed."""
         if set(self._files) != self._told:
             self._told = set(self._files)
             self._tell()
@@ -58,7 +58,7 @@ class OwnBoards:
         return file
 
     def _describe_board(self, name, order):
-        """A message with the fields of a board file; without fields for one of Passo's own."""
+        """The message with the fields of a board file; without fields for a file of Passo's own. Raises Failure."""
         told = {"t": "board", "name": name, "own": name.endswith(".py"), "groups": [], "pins": [], "old": False}
         if told["own"]:
             file = self._own_file(name)

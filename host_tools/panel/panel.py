@@ -20,7 +20,7 @@ from passo import errors
 _HALF_WAY = ("Hold", "Door")  # stands, but with motion that is to be gone on with
 FOLDER = FIRMWARE / "passo" / "web" / "page"
 TICK_S = 0.01
-_SWITCH_S = 0.0005  # the loop waits so long for what is done beside it
+_SWITCH_S = 0.0005  # Python's switch interval: the loop's longest wait for another thread
 SETTLE_S = 0.3  # a move that began just before has been reported by then
 
 
@@ -47,8 +47,9 @@ class Panel:
     def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None, proved=None, own=None):
         """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `language` of the board, and its
         file's table; `machines`: names of board files to choose from, the present one first, "" if it is not known; `change(name)`: port,
-        link and table of another one, or a Failure: it has the port for itself, and may take a minute; `proved()`: what names the board to
-        `passo prove`, None: it cannot be proven; `own`: (folder of the user's board files, {name: board file} of `machines`), None: none is made here."""
+        link and table of another one, or a Failure: it has the port for itself, and may take a minute; `proved()`: options that name the board to
+        `passo prove`, None: it cannot be proven;
+        `own`: (folder of the user's board files, {name: board file} of `machines`), None: the page cannot make any."""
         self._loop = None
         self._port = make_port(self._note_port)
         self._guest = guest
@@ -90,7 +91,7 @@ class Panel:
         self.server.pages.tell(event)
 
     def _note_port(self, fd, opened):
-        """The board's port has come or goes: its bytes are taken as they come."""
+        """Read the board's port from now on, or no more: it has been opened, or is about to be closed."""
         if self._loop is None:
             return
         self.machine.note_port(opened)
@@ -114,20 +115,20 @@ class Panel:
             self.machine.guest.feed(data)
 
     def _choose_machine(self, name):
-        """Another machine. The answer to the order comes before the change: pages are told how it ends."""
+        """Begin the change to another machine. Returns 0 or an error; a message to all pages shows how the change ends."""
         if not name or name not in self._machines:
             return errors.ORDER_FIELD
         return self._lend_port(lambda: self._become_machine(name))
 
     def _lend_port(self, use=None):
-        """Begin what uses the port, a proof unless said otherwise. 0, or why not: the board does something."""
+        """Begin a task that has the port for itself: `use()`, or a proof. Returns 0, or an error if the board is at work."""
         error = errors.BUSY if self._changing else self._restart_refusal()
         if not error:
             self._changing = asyncio.ensure_future(use() if use else self._prove_board())
         return error
 
     async def _prove_board(self):
-        """The board measures itself, and goes back to its own work."""
+        """Let `passo prove` have the board's port, and take it back behind it."""
         try:
             if await self._wait_and_check():
                 self._proving.end()
@@ -140,13 +141,13 @@ class Panel:
             self._changing = None
 
     def _restart_refusal(self):
-        """0, or why the board may not be stopped and started anew now."""
+        """0, or the error that says why the board may not be stopped and started anew now."""
         if self.machine.state["link"] and self.machine.refusal():
             return self.machine.refusal()
         return errors.BUSY if self.machine.busy_error() or self.machine.state["state"] in _HALF_WAY else 0
 
     async def _wait_and_check(self):
-        """0, or why the board may not be stopped after all, which is told: a move that began just before has been reported by now."""
+        """Wait SETTLE_S for the report of a move that began just before, and check again. Returns 0 or an error, which the log shows."""
         await asyncio.sleep(SETTLE_S)
         error = self._restart_refusal()
         if error:
@@ -173,7 +174,7 @@ class Panel:
         self.server.change_machine(self.api, self._about)
 
     def _watch_guest(self):
-        """A pty without a client is always ready, with nothing to read: it is not watched."""
+        """Read the guest's port as its bytes come. A pty without a client is always ready, so it is not in the list that select() watches."""
         watched = self._guest.select_list()
         for fd in self._watched:
             if fd not in watched:
@@ -185,7 +186,7 @@ class Panel:
         self._read_guest()
 
     def _admit_guest(self, consent):
-        """Who hands the command over on the page lets the sender in; in the terminal one may answer, too."""
+        """Show a sender's request on the pages; let it in once a page hands the command over, or somebody answers in the terminal."""
         if consent.asked and not self._asked:
             self._asked = True
             self._tell_pages({"t": "asks", "name": self._guest.name})
@@ -194,7 +195,7 @@ class Panel:
         consent.poll()
 
     async def run(self, host, port, ready):
-        """Serve until end(). `ready(port)`: it listens."""
+        """Serve until end(). Calls `ready(port)` once the server listens. Raises LinkError or OSError if a port cannot be opened."""
         self._loop = asyncio.get_running_loop()
         sys.setswitchinterval(_SWITCH_S)
         for number in (signal.SIGTERM, signal.SIGINT):

@@ -4,7 +4,7 @@
     PanelOrders(machine, store, teach, choose, proving)     # {"do": "prove", "what": "begin", "pins": true, "language": "pt"}
     await proving.run()                                     # what lend() begins: to the end of the process
 
-All pages are told how far it is, {"t": "prove", …}; a page that comes later asks by {"do": "prove", "what": "get"}. STOP ends it.
+Messages {"t": "prove", …} show its progress on all pages; a page that comes later asks by {"do": "prove", "what": "get"}. STOP ends it.
 """
 
 import asyncio
@@ -28,7 +28,7 @@ class ProveProcess:
         self._lend = lend
         self._tell = tell
         self._process = None
-        self._asked = ()  # pins, language of what is about to run
+        self._asked = ()  # pins, language of the process that is about to begin
         self._given_up = False
         self._shown = {"t": "prove", "how": ""}
 
@@ -58,7 +58,7 @@ class ProveProcess:
             self._process.stdin.close()
 
     async def run(self):
-        """From the begin to the end of it, with the port free."""
+        """Run the process to its end; the port is free meanwhile. Shows the result on all pages."""
         pins, language = self._asked
         try:
             if not self._given_up:

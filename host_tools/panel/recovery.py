@@ -1,4 +1,4 @@
-"""Goes on with a job of the panel that was interrupted, where the board's journal says: what `passo resume` does, for the page.
+"""Resumes a job of the panel that was interrupted, at the line in the board's journal: `passo resume` for the page.
 
     machine.job = RecoverableJobs(machine, tell, store)
     machine.state["recover"]        # {"name", "line", "known", "next"}: offered; "next": what the tool does when it goes down; "absent": there is
@@ -7,11 +7,11 @@
     machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": tool up, spindle and coolant off; "forget"
     machine.orders["recover"]({"do": "recover", "what": "from", "name": "part.gcode", "line": 120})     # offered: begin at a line, as passo stream --from
 
-What will hold where a line begins is in the offer, "held" (see Replay.held), before anything moves.
+The offer's "held" shows the modal state at that line (see Replay.held) before anything moves.
 
 The journal is asked once the machine is at rest: at the start, after homing, when a job has ended, and when a file has been added. Each job tells the board its
-number before its first line goes, for the board writes down each line under the number that it was told last. A job that does not
-begin tells none: the one that was interrupted before is still to be offered.
+number before its first line goes, because the board writes down each line under the last number received. A job that does not
+begin sends none, so the job that was interrupted before it is still offered.
 """
 
 from host_tools.failure import Failure
@@ -40,9 +40,9 @@ class RecoverableJobs(StoredJobs):
         self._collects = None  # lines of answers, while they are wanted
         self._stage = ""  # "over": on its way, "ask": over the place, and the operator is asked
         self._rest = []
-        self._left = None  # (name, line) of what is forgotten, until a job begins
-        self._position = None  # where it waits for the answer
-        self._plan_number = 0  # of what is looked for beside the machine: what was asked before is too late
+        self._left = None  # (name, line) of a forgotten offer, until a job begins
+        self._position = None  # mm, at which the machine waits for the answer
+        self._plan_number = 0  # counts searches beside the machine: the result of an older one is too late
         machine.state["recover"] = None
         machine.orders["recover"] = self._order_recovery
 
@@ -89,7 +89,7 @@ class RecoverableJobs(StoredJobs):
                 self._run_beside(lambda: self._find_offer(said), self._set_offer)
 
     def _run_beside(self, work, then):
-        """then(work()), but if meanwhile a job has begun, something has failed or stopped, or another place is looked for."""
+        """Do `work` beside the machine and call then(result), unless meanwhile a job has begun, failed or stopped, or a newer search has begun."""
         number = self._plan_number
 
         def take_result(result):
@@ -116,7 +116,7 @@ class RecoverableJobs(StoredJobs):
         return self._absent_offer(said)
 
     def _absent_offer(self, said):
-        """The offer of a job that is not among those here, but that this PC has begun; None if there is none, or it has been done."""
+        """The offer of a job that this PC has begun from another folder, a dict; None: there is none, or it is done. `said`: lines of the journal."""
         try:
             record = Record.of_answer(said)
         except Failure:
@@ -159,7 +159,7 @@ class RecoverableJobs(StoredJobs):
         return (machine.send_line(b"G53G0Z0") if rises else 0) or machine.send_line(b"M5") or machine.send_line(b"M9")
 
     def _forget_offer(self):
-        """It is offered no more; nothing moves. Behind a line that was chosen, the journal may have another offer."""
+        """Withdraw the offer; nothing moves. If it was a chosen line, ask the journal for another offer. Returns 0."""
         offer = self._machine.state["recover"]
         if "held" in offer:
             self._asked = False
@@ -175,7 +175,7 @@ class RecoverableJobs(StoredJobs):
         return self._ask_board(self._plan_from, "held" not in self._machine.state["recover"])
 
     def _ask_board(self, told, journal):
-        """Collect what the board says of its offsets, and of its journal; then `told(error)`."""
+        """Ask the board for its offsets, and its journal if `journal`, and collect the lines; then call told(error). Returns 0 or BUSY."""
         machine = self._machine
         if self._collects is not None:
             return errors.BUSY
@@ -186,7 +186,7 @@ class RecoverableJobs(StoredJobs):
         return 0
 
     def _look_at(self, name, line):
-        """Offer to begin at a line: what will hold there is replayed, and nothing moves."""
+        """Offer to begin at a line; a replay finds the modal state there, and nothing moves. Returns 0 or an error."""
         machine = self._machine
         if machine.state["state"] not in _REST or not machine.settings:
             return errors.LOCKED
@@ -233,7 +233,7 @@ class RecoverableJobs(StoredJobs):
             self._stage = "over"
 
     def _plan_recovery(self, offer, said):
-        """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
+        """(lines up to the question to the operator, lines behind it, text of the move that comes next). Raises Failure."""
         name = offer["name"]
         if "held" in offer:
             number, lines = offer["line"], self._files.program_lines(name)
@@ -282,11 +282,11 @@ class RecoverableJobs(StoredJobs):
         return 0
 
     def _has_journal(self):
-        """The board has a journal, or has not said yet that it has none."""
+        """True if the board has a journal, or its options are not known yet."""
         return self._machine.options is None or "J" in self._machine.options
 
     def _job_number(self, name, lines):
-        """Of a job that is not among those looked through, a number by which it is not found: it is not offered, and no other is in its place."""
+        """The number by which the journal knows a job. A job that is not among the programs read gets one by which it is not found later."""
         return next((program_names.remember_program(text, name) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
 
     def _note_announcement(self, error):

@@ -6,9 +6,9 @@
 Requests are bounded in size, number and time; Host and Origin must be this server's. A WebSocket brings state and answers to the
 page, and orders from it; one that ends, ends its jog.
 
-Nobody is kept out by those who only take up room: one connection more takes the place of the oldest whose request is not whole, then
-of the oldest that does not read its answer; one page more that of a page that has proven nothing. A page that is silent is asked for a
-sign of life, and given up without one. The bounds are those of a board's own server (passo/web/http.py).
+Idle connections keep nobody out: a new one takes the place of the oldest whose request is not whole, then of the oldest that does not
+read its answer; a new page takes the place of a page that has proven nothing. The server pings a silent page, and closes it if no sign of
+life comes. The bounds are those of a board's own server (passo/web/http.py).
 """
 
 import asyncio
@@ -104,7 +104,7 @@ class App(Microdot):
         self._connections = []  # readers, the oldest first
 
     def _make_room(self):
-        """One connection more. False if there is no room for it: all the others are being answered."""
+        """Make room for one more connection. Returns False if there is none: all the others are being answered."""
         asking = [each for each in self._connections if not each.open]
         if len(asking) < _CONNECTIONS:
             return True
@@ -158,8 +158,8 @@ class Server:
         self._offline = {}
         self._pushed_ms = clock_ms()
         self.app = App()
-        self._worker = ThreadPoolExecutor(1)  # what takes a moment, one after the other
-        self._maker = ThreadPoolExecutor(1)  # what may take minutes: drawings that become jobs, estimates
+        self._worker = ThreadPoolExecutor(1)  # for work that takes a moment, one after the other
+        self._maker = ThreadPoolExecutor(1)  # for work that may take minutes: drawings that become jobs, estimates
         self._making = []  # (name of the file, future) of those
         self._late = set()  # tasks of answers to it
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
@@ -258,11 +258,11 @@ class Server:
         return Response.already_handled
 
     def run_beside(self, work):
-        """A future of work(), which is done while the loop goes on."""
+        """Return a future of work(), done in a thread while the loop goes on."""
         return asyncio.get_running_loop().run_in_executor(self._worker, work)
 
     async def result_of(self, later):
-        """What the work of a SlowOrder gives. A slow one does not hold those of other jobs."""
+        """Return the result of a SlowOrder's work, done in a thread. A slow one delays only orders for the same job."""
         if not later.slow:
             waits = [future for name, future in self._making if later.waits_for(name)]
             if waits:
@@ -289,7 +289,7 @@ class Server:
             raise
 
     def _drop_unproven(self):
-        """The oldest page that has proven nothing makes room. False if there is none."""
+        """Close the oldest page that has proven nothing. Returns False if there is none."""
         for page in self.pages.pages:
             if not page.session.opened:
                 self._drop_page(page)
@@ -301,7 +301,7 @@ class Server:
         self.pages.remove_page(page)
 
     def _is_alive(self, page, now_ms):
-        """False if a page has given no sign of life for long; it has been asked for one."""
+        """Return False if a page has given no sign of life for _GONE_MS. Pings it after _ALIVE_MS."""
         reader, writer = page.socket.request.sock[:2]
         silent_ms = (now_ms - reader.heard_ms) & COUNT_MASK
         if silent_ms > _GONE_MS:
@@ -321,13 +321,13 @@ class Server:
                 reader.heard_ms, reader.asked = now_ms, False
 
     def change_machine(self, api, about):
-        """Another machine: the pages that look are told."""
+        """Serve another machine from now on, and send its first message to all pages."""
         self.api = self.pages.api = api
         self._about = about
         self.pages.tell({"t": "machine", **self.pages.first_fields(about)})
 
     async def push_state(self, now_ms):
-        """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
+        """Send each page the state, as often as it wants it, and its waiting messages. Closes a page that does not read, or gives no sign of life."""
         text = self.pages.next_state(now_ms)
         self._forgive_silence(now_ms)
         for page in list(self.pages.pages):
@@ -344,7 +344,7 @@ class Server:
                     break
 
     async def serve(self, host, port):
-        """Listen, and go on for ever; `started` follows in `self.app.server`."""
+        """Listen and serve until the task is cancelled. Raises OSError if the port is in use."""
         await self.app.start_server(host=host, port=port)
 
     async def wait_for_port(self, serving):

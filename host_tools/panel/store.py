@@ -35,23 +35,23 @@ def gcode_lines(path):
 
 
 def not_a_job(failure):
-    """Why a file is no job, as an order is answered."""
+    """The refusal of a file that is no job, a dict: NOT_A_JOB and the sentence of a Failure."""
     return {"error": errors.NOT_A_JOB, "text": failure.message()}
 
 
 class Store:
     def __init__(self, folder, read, made=None, facts=None):
-        """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it. `made(name, text)`: name
+        """`read(path)`: a job's lines as a language's driver takes them; raises Failure or OSError if there is no job. `made(name, text)`: name
         and text of the job that a file becomes, or the number of an error; None: a file is a job. A file that has become another is kept
         beside it, for place_job(): `made(name, text, place)`.
-        `facts(lines, settings)`: what a job will do, see job_facts.py."""
+        `facts(lines, settings)`: a job's facts, see job_facts.py."""
         self._made = made
         self._facts = facts
         self._folder = folder
         self._read = read
         folder.mkdir(parents=True, exist_ok=True)
         self._coming = {}  # name: pieces so far
-        self._programs = {}  # (name, time, bytes): what has been read of them
+        self._programs = {}  # (name, time, bytes): (lines, CRC-32), or None
         self._reading = Lock()  # them: by the panel's loop, or beside it
         self.changed = 0  # counts what has been kept
 
@@ -61,7 +61,7 @@ class Store:
         return sorted((path.name, path.stat().st_size) for path in found)
 
     def name_error(self, name):
-        """0 if a job may have this name."""
+        """0 if a job may have this name, else JOB_NAME."""
         good = _NAME.fullmatch(name) and not _RESERVED.fullmatch(name) and not name.endswith((".", " "))
         return 0 if good else errors.JOB_NAME
 
@@ -74,7 +74,7 @@ class Store:
         return path if path.is_file() and not path.is_symlink() else errors.NO_SUCH_JOB
 
     def lines_of(self, name):
-        """What `read` makes of the job, or the number of an error."""
+        """The lines of a job as `read` returns them, or a refusal: the number of an error, or a dict."""
         path = self._path_of(name)
         if isinstance(path, int):
             return path
@@ -86,7 +86,7 @@ class Store:
             return errors.NO_SUCH_JOB
 
     def facts_of(self, name, settings):
-        """What a job will do, a dict, or the number of an error. `settings`: those of the board."""
+        """The facts of a job, a dict (see job_facts.py), or a refusal. `settings`: {number: text} of the board."""
         lines = self.lines_of(name)
         if is_refusal(lines):
             return lines
@@ -136,7 +136,7 @@ class Store:
 
     @staticmethod
     def number_lines(lines):
-        """Lines of a program as they are sent."""
+        """[(number, bytes)] of a program's lines with their numbers as N words, as they are sent."""
         return [(number, number_line(number, line)) for number, line in lines]
 
     def pack_job(self, name):
@@ -162,12 +162,12 @@ class Store:
             return file.read(_PIECE).decode("latin-1"), path.stat().st_size
 
     def add_piece(self, name, at, piece, last):
-        """A piece that begins at character `at`; 0 or the number of an error."""
+        """Take a piece of a job's text that begins at character `at`; keep the job behind the `last`. Returns 0 or an error."""
         error = self.name_error(name)
         if error:
             return error
         if at == 0:
-            self._coming = {name: ""}  # one at a time: what was not finished is forgotten
+            self._coming = {name: ""}  # one at a time: an unfinished upload is forgotten
         before = self._coming.get(name)
         if before is None or len(before) != at:
             return errors.JOB_PIECE
@@ -178,7 +178,7 @@ class Store:
         return 0
 
     def put_job(self, name, text):
-        """Keep a job under a name, whole or not at all."""
+        """Keep a job under a name, whole or not at all. Returns 0 or a refusal."""
         error = self.name_error(name) or (errors.JOB_SIZE if self._is_full(name, len(text)) else 0) or text_error(text)
         if error:
             return error
@@ -204,11 +204,11 @@ class Store:
         return 0
 
     def _source_path(self, name):
-        """Where the file lies from which a job was made; no job has such a name."""
+        """The path of the file from which a job was made; no job has such a name."""
         return self._folder / f".{name}.from"
 
     def place_job(self, name, place):
-        """Make a job anew from its file, elsewhere; 0 or the number of an error."""
+        """Make a job anew from its drawing at `place`, (x, y, width) in mm. Returns 0 or a refusal."""
         path = self._path_of(name)
         if isinstance(path, int):
             return path
