@@ -48,8 +48,8 @@ class Machine:
             elif self.how == "free" and (order := self.opener.open(text)):
                 self.waits.append(now - self.since)
                 self.order, self.how = order, "fetch"
-                self.link.parcel.ask(order["sha"], order["parts"])
-        if self.how == "fetch" and self.link.parcel.data():
+                self.link.parcel.ask_file(order["sha"], order["parts"])
+        if self.how == "fetch" and self.link.parcel.file_data():
             self.how, self.since = "run", now
         elif self.how == "run" and now - self.since > JOB_S:
             self.ended, self.order, self.how = [self.order["id"], "done", 1, ""], None, "free"

@@ -132,7 +132,7 @@ def read_numbers(found):
     """(numbers in the order of drawing, steps drawn twice, what is no number)."""
     reader = Numbers()
     for stroke in found:
-        reader.take_command(stroke)
+        reader.take(stroke)
     if reader._pieces:
         reader.close()
     return reader.numbers, reader.twice, reader.faults

@@ -82,10 +82,10 @@ class NoBroker:
     def take_orders(self):
         return []
 
-    def log(self, event):
+    def add_event(self, event):
         pass
 
-    tell = log
+    publish_topics = add_event
 
 
 class Late(Silent):
@@ -248,12 +248,12 @@ def test_late_words_and_lost_packets_of_a_plotter():
 
     machine = languages.create("plotter", boards.load("plotter_2014"), lambda data: None, lambda event: None).machine
     report = {"state": "idle", "position": [0, 0], "x": 0, "y": 0, "drawn": 0, "free": 9, "error": 0}
-    machine.wire._report({**report, "error": errors.WORDS_LATE})
-    machine.wire._report(dict(report))
+    machine.wire._take_status({**report, "error": errors.WORDS_LATE})
+    machine.wire._take_status(dict(report))
     assert machine.late == 1
     machine.queue_command(Command(commands.POINT, (5, 5), tool=1))
     for _status in range(3):
-        machine.wire._report(dict(report))
+        machine.wire._take_status(dict(report))
     assert machine.wire.retries == 1
 
 
@@ -753,14 +753,14 @@ def test_an_agent_that_is_taken_over_says_so_takes_no_orders_and_hears_stop(shop
     try:
         links["one"] = link("one")
         shop.until(lambda: links["one"].is_up)
-        links["one"].tell({"state": "run"})
+        links["one"].publish_topics({"state": "run"})
         links["one"]._answer_agent = lambda asks: None
         links["two"] = link("two")
         shop.until(lambda: links["two"].is_up and doubled["one"])
         assert "another agent speaks for a" in said_of["one"][-1] and not doubled["two"]
         shop.until(lambda: links["one"]._client.is_connected())
-        links["two"].tell({"state": "idle"})
-        links["one"].tell({"state": "hold"})
+        links["two"].publish_topics({"state": "idle"})
+        links["one"].publish_topics({"state": "hold"})
         shop.client.publish("passo/a/order", "x", 1).wait_for_publish(LIMIT_S)
         heard = []
         shop.until(lambda: heard.extend(links["two"].take_orders()) or ("order", "x") in heard)

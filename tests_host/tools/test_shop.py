@@ -62,8 +62,8 @@ def test_a_job_is_given_once_whatever_is_asked_for_again(book, tmp_path):
     again = JobTable(tmp_path / "shop.sqlite")
     assert again.open_of("m1").line == 3 and again.open_of("m1").begun
     again.end(again.open_of("m1"), "done", 9, "")
-    assert again.open_of("m1") is None and again.counts() == {"done": 1, "given": 1}
-    assert not again.withdraw(two) and again.data(job.sha) == b"G0X1"
+    assert again.open_of("m1") is None and again.count_states() == {"done": 1, "given": 1}
+    assert not again.withdraw_job(two) and again.file_data(job.sha) == b"G0X1"
     assert [row[1] for row in again.times_of_materials()] == [1]
     again.close()
 
@@ -351,7 +351,7 @@ class Nothing:
     def __init__(self):
         self.published, self.subscribed = [], []
 
-    def client(self, name):
+    def make_client(self, name):
         return self
 
     def is_connected(self):
@@ -365,7 +365,7 @@ class Nothing:
     def subscribe(self, topics):
         self.subscribed.append(topics)
 
-    def connect(self, client):
+    def connect_client(self, client):
         pass
 
     def publish(self, topic, text, *_more):
@@ -520,7 +520,7 @@ def test_every_word_of_the_pages_is_in_the_catalogue():
 class Served:
     """A Shop without a broker, as pages ask it."""
 
-    up = False
+    is_up = False
     machines = {"m": {"how": "rest", "state": "idle", "job": "", "nonce": "secret"}}
     stops = looks = 0
 

@@ -37,10 +37,10 @@ class Client:
     def __init__(self, up=True, acknowledges=True):
         self.up, self.acknowledges, self.published = up, acknowledges, []
 
-    def client(self, name):
+    def make_client(self, name):
         return self
 
-    def connect(self, client):
+    def connect_client(self, client):
         pass
 
     def is_connected(self):
@@ -354,7 +354,7 @@ def test_no_message_ends_an_agent_s_connection(topic, payload):
     stops = []
     link = Link(Unconnected(), "m", works=True)
     link.stopped = lambda: stops.append(True) or 1 / 0
-    link.parcel.ask("0" * 64, 3)
+    link.parcel.ask_file("0" * 64, 3)
     link._take_message(None, None, SimpleNamespace(topic=f"passo/{topic}", payload=payload))
     link._take_message(None, None, SimpleNamespace(topic="passo/stop", payload=b""))
     assert stops
@@ -374,7 +374,7 @@ def test_a_slow_check_holds_no_other_job(tmp_path, monkeypatch):
         return name, data, {}
 
     monkeypatch.setattr(uploads, "job_of", slow)
-    dispatcher = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or 0, look=lambda: looks.append([job.name for job in book.jobs(9) if job.state == "queued"]), complain=print)
+    dispatcher = SimpleNamespace(machines={}, is_up=True, stop_all=lambda: stops.append(1) or 0, look=lambda: looks.append([job.name for job in book.jobs(9) if job.state == "queued"]), complain=print)
     book = JobTable(tmp_path / "shop.sqlite")
     shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     other = book.add_jobs(b"G21\nM2\n", "other.nc", {"kind": "router_3axis"})[0]

@@ -231,7 +231,7 @@ def test_the_shop_s_page(driver, tmp_path):
     """Esc stops all machines, and the page says what the broker has not got."""
     error = 0
     stops = []
-    dispatcher = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or error, look=lambda: None, complain=print)
+    dispatcher = SimpleNamespace(machines={}, is_up=True, stop_all=lambda: stops.append(1) or error, look=lambda: None, complain=print)
     book = JobTable(tmp_path / "shop.sqlite")
     shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     loop = asyncio.new_event_loop()
