@@ -21,7 +21,7 @@ _LONGEST = const(9)  # digits before the point
 
 
 def parse_thousandths(text):
-    """The whole number of thousandths that a decimal number is, or None if it is none or has more decimals."""
+    """Return the thousandths of a decimal number, a whole number; None if it is none or has more decimals."""
     sign, digits = (-1, text[1:]) if text[:1] == "-" else (1, text)
     whole, point, part = digits.partition(".")
     if not (whole or part) or len(whole) > _LONGEST or len(part) > _DECIMALS or [letter for letter in whole + part if letter not in _DIGITS]:
@@ -30,14 +30,14 @@ def parse_thousandths(text):
 
 
 def decimal_text(value, places):
-    """A setting's value as text; `places`: 0, or 3 of a value in thousandths."""
+    """Return a setting's value as text; `places`: 0, or 3 of a value in thousandths."""
     if not places:
         return str(value)
     return "%s%d.%03d" % ("-" if value < 0 else "", abs(value) // 1000, abs(value) % 1000)
 
 
 def line_commands(machine, text):
-    """The command of a line in which `text` follows `$`, or the number of an error."""
+    """Return the command of a line in which `text` follows `$`, or the number of an error."""
     key, equals, value = text.partition("=")
     if not text:
         return [Command(SETTING)]
@@ -54,7 +54,7 @@ def line_commands(machine, text):
 
 
 def answer_text(value):
-    """The line that tells a setting, or which there are."""
+    """Return the line with a setting, or with the numbers of all."""
     if isinstance(value, tuple):
         return "$%d=%s\n" % (value[0], decimal_text(value[1], value[2]))
     return "[$:%s]\n" % ",".join([str(number) for number in value])
@@ -69,4 +69,5 @@ def add_jogs(axes, board, table):
 
 
 def teach_lines(words):
+    """Add the `$` lines about settings to `words`."""
     words.learn_lines("$", SETTING, line_commands, answer_text)

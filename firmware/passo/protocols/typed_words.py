@@ -21,7 +21,7 @@ _LONGEST = const(40)
 
 
 def line_of(text):
-    """The bytes of a line."""
+    """Return the bytes of a line."""
     return ("%s*%03d\n" % (text, sum(text.encode()) & 255)).encode()
 
 
@@ -31,18 +31,19 @@ class TypedWords(Words):
         self._text = b""
 
     def is_amid_line(self):
-        """True while a line has begun and not ended."""
+        """Return True while a line has begun and not ended."""
         return bool(self._text)
 
     def takes_byte(self, byte):
-        """True if `byte` begins a line, or goes on with it."""
+        """Return True if `byte` begins a line, or goes on with it."""
         return byte == _START or bool(self._text) and byte in _LETTERS and len(self._text) < _LONGEST
 
     def forget_line(self):
+        """Forget the line that has begun."""
         self._text = b""
 
     def take_byte(self, byte):
-        """The Command of the line that `byte` ends; None: it goes on. Ask takes_byte() first."""
+        """Return the Command of the line that `byte` ends; None: it goes on. Ask takes_byte() first."""
         if byte == _START:
             self._text = b""
         if byte != _END:

@@ -20,15 +20,19 @@ class Words:
 
     @classmethod
     def words_of(cls, protocol):
+        """Return the protocol's words; make them at the first call."""
         if protocol.words is None:
             protocol.words = cls()
         return protocol.words
 
     def learn_lines(self, start, kind, understand, told, asked=False):
+        """Take lines that begin with `start`: understand(None, the rest) returns [a command of this kind] or the number of an error;
+        told(event.value) is the answer before `ok`."""
         self._lines.append((start, understand))
         self._told[kind] = told
 
     def line_command(self, line):
+        """Return the Command of a line; BAD if no line begins like it."""
         found = errors.STATEMENT
         for start, understand in self._lines:
             if line.startswith(start):
@@ -38,6 +42,7 @@ class Words:
         return found[0]
 
     def event_bytes(self, event):
+        """Return the bytes that answer `event`; None if it is of no such line."""
         command = event.command
         told = self._told.get(command.kind)
         if not told and (command.kind != BAD or command.value != LINE):
@@ -48,6 +53,6 @@ class Words:
         return (said + "ok\n").encode()
 
     def notice_bytes(self, event):
-        """The line of a notice, in bytes; empty if no option has taught its number."""
+        """Return the line of a notice, in bytes; empty if no option has taught its number."""
         say = self.notices.get(event.error)
         return ("[MSG:%s]\n" % say(event.value)).encode() if say else b""

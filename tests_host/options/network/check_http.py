@@ -160,8 +160,8 @@ def check_host_and_origin():
     ):  # fmt: skip
         fields = b"Host: %s\r\n" % host + (b"Origin: %s\r\n" % origin if origin is not None else b"")
         found = asked(b"POST /HALT HTTP/1.1\r\n" + fields + b"\r\n")
-        assert guard().wrong(found) == status, (host, origin)
-    assert guard().wrong(asked(b"POST /HALT HTTP/1.1\r\n\r\n")) == 403
+        assert guard().refusal_status(found) == status, (host, origin)
+    assert guard().refusal_status(asked(b"POST /HALT HTTP/1.1\r\n\r\n")) == 403
 
 
 def check_a_proof(count, at, bit):
@@ -171,33 +171,33 @@ def check_a_proof(count, at, bit):
     torn = bytearray(good)
     torn[at % len(good)] ^= 1 << bit
     if torn[at % len(good)] not in b"\r\n" and not chr(torn[at % len(good)]).isspace():
-        assert not made.proven(request(bytes(torn)), 0)
-    assert not made.proven(request(good, path=b"/OFF"), 0) and not made.proven(request(good, body=b"x=1"), 0)
-    assert made.proven(request(good), 0)
+        assert not made.is_proven(request(bytes(torn)), 0)
+    assert not made.is_proven(request(good, path=b"/OFF"), 0) and not made.is_proven(request(good, body=b"x=1"), 0)
+    assert made.is_proven(request(good), 0)
     assert b"X-Passo-Count: %d\r\n" % count in made.headers() and NONCE.encode() in made.headers()
-    assert not made.proven(request(good), 0)
-    assert made.proven(request(proof(count + 1)), 0)
-    assert not guard(key=None).proven(request(good), 0)
+    assert not made.is_proven(request(good), 0)
+    assert made.is_proven(request(proof(count + 1)), 0)
+    assert not guard(key=None).is_proven(request(good), 0)
 
 
 def check_guessing_is_slowed_down():
     made = guard()
     for _ in range(5):
-        assert not made.proven(request(b"1." + b"0" * 64), 0)
-    assert not made.proven(request(proof(1)), 999)
-    assert made.proven(request(proof(1)), 1000)
+        assert not made.is_proven(request(b"1." + b"0" * 64), 0)
+    assert not made.is_proven(request(proof(1)), 999)
+    assert made.is_proven(request(proof(1)), 1000)
 
 
 def check_admission():
     """Without a proof: from the board's own network, while admitted, and with no wrong proof either."""
     made = guard(admitted=lambda: True)
-    assert made.proven(request(), 0)
-    assert not made.proven(request(peer="192.168.1.2"), 0)
-    assert not made.proven(request(b"1." + b"0" * 64), 0)
+    assert made.is_proven(request(), 0)
+    assert not made.is_proven(request(peer="192.168.1.2"), 0)
+    assert not made.is_proven(request(b"1." + b"0" * 64), 0)
     made.set_admission(lambda: True, (b"/HALT",), (request().path,))
-    assert not made.proven(request(), 0), "a path of Passo's own"
-    assert not guard(admitted=lambda: False).proven(request(), 0)
-    assert not guard().proven(request(), 0)
+    assert not made.is_proven(request(), 0), "a path of Passo's own"
+    assert not guard(admitted=lambda: False).is_proven(request(), 0)
+    assert not guard().is_proven(request(), 0)
 
 
 # --- lines over TCP

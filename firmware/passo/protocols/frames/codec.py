@@ -37,7 +37,7 @@ _RESIDUE = const(0x2144DF1C)  # CRC-32 of anything and its own CRC-32, low byte 
 
 
 def frame(kind, number=0, ack=0, credit=0, data=b""):
-    """A frame's bytes, without delimiters. `credit`: 0 … MOST_CREDIT; `data`: MOST bytes at most."""
+    """Return a frame's bytes, without delimiters. `credit`: 0 … MOST_CREDIT; `data`: MOST bytes at most."""
     body = bytes((kind << 4 | number >> 8, number & 255, credit << 4 | ack >> 8, ack & 255, len(data))) + data
     body += crc32(body).to_bytes(4, "little")
     return b"".join([bytes((len(part) + 1,)) + part for part in body.split(_DELIMITER)])
@@ -49,7 +49,7 @@ def delimit_frames(*frames):
 
 
 def is_sound(data, begin, end):
-    """True if data[begin:end], without a delimiter in it, is a whole frame. Its zeros are put where they belong."""
+    """Return True if data[begin:end], without a delimiter in it, is a whole frame. Puts its zeros back where they belong."""
     at = begin
     while at < end:
         code = data[at]
@@ -61,7 +61,7 @@ def is_sound(data, begin, end):
 
 
 def parse_header(data, begin):
-    """(kind, number, ack, credit) of a frame that is sound."""
+    """Return (kind, number, ack, credit) of a sound frame."""
     high = data[begin + 1]
     low = data[begin + 3]
     return high >> 4, (high & 15) << 8 | data[begin + 2], (low & 15) << 8 | data[begin + 4], low >> 4

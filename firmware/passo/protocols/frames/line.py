@@ -38,7 +38,7 @@ _FEW = const(4)  # credits of a language that does not say how much it takes
 
 @micropython.viper
 def count_zeros(data: ptr8, count: int) -> int:
-    """How many of `count` bytes are 0."""
+    """Return how many of the first `count` bytes are 0."""
     found = 0
     while count:
         count -= 1
@@ -72,6 +72,7 @@ class FramedLine:
         self._clear_session()
 
     def _clear_session(self):
+        """Forget the session: numbers, acknowledgements, answers and reports."""
         self._at = self._end = 0  # of the buffer: the first and the end of the bytes not looked at
         self._next = 0  # number of the byte wanted next
         self._urgent = 0  # number of the urgent frame wanted next
@@ -91,18 +92,19 @@ class FramedLine:
     # --- the face of a serial line
 
     def was_heard(self):
-        """True if something sound has come since this was asked last."""
+        """Return True if anything sound has come since the last call."""
         heard = self._heard
         self._heard = False
         return heard
 
     def any(self):
+        """Return True if bytes wait."""
         if self._left or self._at < self._end and self._buffer.find(b"\0", self._at, self._end) >= 0:
             return True
         return self._serial.any()
 
     def read(self):
-        """Bytes for the language, good until the next read; b"" if none."""
+        """Return bytes for the language, good until the next read; b"" if there are none."""
         if self._state == _PLAIN:
             data = self._serial.read()
             if not data or self._strays or self._held or count_zeros(data, len(data)):
@@ -129,6 +131,7 @@ class FramedLine:
         return self._send_waiting() if self._todo else b""
 
     def write(self, data):
+        """Send an answer, in a frame with others: at once if many bytes wait, or the language has nothing more to say."""
         if self._state == _PLAIN:
             self._serial.write(data)
             return
@@ -177,6 +180,7 @@ class FramedLine:
         return data
 
     def _begin_session(self, rest):
+        """Begin a session: HELLO has come, and `rest` behind it. Allocates the buffer at the first."""
         if not self._buffer:
             self._buffer = bytearray(_BUFFER)
             self._view = memoryview(self._buffer)
@@ -192,7 +196,7 @@ class FramedLine:
     # --- bytes to frames
 
     def _fill_buffer(self):
-        """Put new bytes behind those that are kept. False if there is nothing."""
+        """Put new bytes behind those in the buffer. Returns False if there are none."""
         data = self._left or self._serial.read()
         if not data:
             return False
@@ -244,7 +248,7 @@ class FramedLine:
         return self._take_urgent(kind, number, data)
 
     def _take_data(self, number, data):
-        """Return the new ones of bytes from `number` on."""
+        """Return the new ones of the bytes from `number` on; None if there are none, or some before them are missing."""
         known = (self._next - number) % NUMBERS
         if known > NUMBERS >> 1:
             self._ask_again()
@@ -258,12 +262,13 @@ class FramedLine:
         return data[known:] if known else data
 
     def _begin_use(self):
-        """The session begins to be used, or ends: a message begun on the other side of that is not gone on with."""
+        """Drop a message that the language has in part: the session begins to be used, or ends."""
         self._new = False
         if self._drop_begun:
             self._drop_begun()
 
     def _take_urgent(self, kind, number, data):
+        """Take an urgent frame once, and acknowledge it. Returns its bytes for the language, or None."""
         if not URGENT <= kind <= LEAVE:
             return None
         fresh = number == self._urgent
@@ -295,22 +300,25 @@ class FramedLine:
     # --- frames to bytes
 
     def _free_credits(self):
+        """Return how many credits the language can take."""
         if self._space:
             return min(MOST_CREDIT, self._space() // CREDIT_BYTES)
         waiting = len(self._link.waiting)
         return _FEW if not waiting else 1 if waiting < _MANY else 0  # STOP and STATUS do not wait for commands in the queue
 
     def _make_frame(self, kind, number=0, data=b""):
-        """A frame with the newest acknowledgement."""
+        """Return a frame with the newest acknowledgement and credits."""
         self._owes = False
         self._told = self._free_credits()
         return frame(kind, number, self._next, self._told, data)
 
     def _send_welcome(self):
+        """Send WELCOME: version, whether the session is new, and the numbers expected."""
         about = bytes((VERSION, NEW if self._new else 0, MOST, self._urgent >> 8, self._urgent & 255))
         self._serial.write(delimit_frames(self._make_frame(WELCOME, self._sender.end(), about)))
 
     def _ask_again(self):
+        """Ask for the next byte again, at most once in _AGAIN_MS."""
         now_ms = self._clock()
         if self._state == _OPEN and (self._asked != self._next or (now_ms - self._asked_ms) & COUNT_MASK >= _AGAIN_MS):
             self._asked = self._next
@@ -318,7 +326,7 @@ class FramedLine:
             self._serial.write(delimit_frames(self._make_frame(AGAIN)))
 
     def _send_answers(self):
-        """Send what may be sent of the answers."""
+        """Send as many of the answers as may be under way. Closes the session if too many are not acknowledged."""
         sender = self._sender
         if self._answers:
             self._todo = True
@@ -335,7 +343,7 @@ class FramedLine:
             data = sender.next_frame(now_ms)
 
     def _send_waiting(self):
-        """Nothing more has come: send what waits, ask what is to be asked. Returns the question, or b""."""
+        """Send what is due now that nothing has come: answers, credits, reports. Returns a report's question, or b""."""
         if self._state == _CLOSED:
             return b""
         sender = self._sender

@@ -51,19 +51,19 @@ class Sender:
         self._took_ms = 0  # on average
 
     def put_message(self, data):
+        """Append a message, cut into pieces."""
         piece = self._piece
         for at in range(0, len(data), piece):
             self.messages.append(bytes(data[at : at + piece]))
         self.kept += len(data)
 
     def end(self):
-        """The number behind the last byte put."""
+        """Return the number behind the last byte put."""
         return (self.first + self.kept) % NUMBERS
 
     def next_frame(self, now_ms):
-        """The bytes of the next frame to send, from `number` on; None: none now. A part of a frame waits while more than one frame is under
-        way; a part below half of one, while any is.
-        """
+        """Return the bytes of the next frame to send, from `number` on; None if none may go now. A part of a frame waits while more than one frame is
+        under way; a part below half of one, while any is."""
         messages = self.messages
         at = self._at
         if at == len(messages):
@@ -89,7 +89,7 @@ class Sender:
         return b"".join(messages[at:end])
 
     def take_ack(self, ack, credit, now_ms):
-        """The other end has everything before byte `ack`, and room for `credit` credits from there on."""
+        """Take an acknowledgement: the other end has every byte before `ack`, and room for `credit` credits from there on."""
         count = (ack - self.first) % NUMBERS
         if count > self.kept:
             return  # an old one
@@ -129,7 +129,7 @@ class Sender:
             self.size = max(LEAST, self.size >> 1)
 
     def check_late(self, now_ms):
-        """True, and everything is sent again, if the answer to what is under way should have come."""
+        """Return True, and send everything again, if the acknowledgement should have come by now."""
         if not self.flying:
             return False
         limit = (_LATE_MS + max(self.flying * _BITS_MS // self._baud, 2 * self._took_ms)) * self._waits

@@ -33,6 +33,7 @@ class Strays:
         self.found = 0
 
     def without_frames(self, data, now_ms):
+        """Return the bytes of `data`, and of those kept back, that are for the language."""
         text = self.held + bytes(data)
         self.held = out = b""
         at = text.find(b"\0")
@@ -71,6 +72,7 @@ class Strays:
         return out + text
 
     def after_silence(self, now_ms):
+        """Return the bytes kept back that are for the language, once the line has been silent for long enough; b"" before."""
         if not self.held or (now_ms - self._held_ms) & COUNT_MASK < (_BINARY_MS if self._binary else _CUT_MS):
             return b""
         text = self.held
@@ -87,8 +89,9 @@ class Strays:
         return b""
 
     def _note_end(self, text):
-        """`text` is dropped: note whether the rest of a line may come behind it."""
+        """Note whether the rest of a line may come behind the dropped bytes `text`."""
         self._cut = self._asked is not None and text[-1] not in b"\r\n" and not is_sound(bytearray(text), 0, len(text))
 
     def _is_amid(self, text):
+        """Return True if the language, once it has read `text`, is amid a message."""
         return self._asked is not None and self._asked(text)

@@ -67,7 +67,7 @@ G43 = const(4300)
 
 
 def _read_table(table):
-    """({code in hundredths, M codes from M_CODES on: its entry}, how many groups there are)."""
+    """Return ({code in hundredths, M codes from M_CODES on: its entry}, how many groups there are)."""
     codes = {}
     group = 0
     for mark in table.replace(";", " ; ").split():
@@ -87,7 +87,7 @@ CODES, GROUPS = _read_table(_TABLE)
 
 
 def why_unknown(code):
-    """The error's number of a code that is not in CODES."""
+    """Return the error's number of a code that is not in CODES."""
     if code in (5910, 5920, 5930):
         return errors.NO_SUCH_SYSTEM
     whole = code // 100

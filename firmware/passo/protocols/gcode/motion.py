@@ -20,7 +20,7 @@ NO_CYCLE = (0, 0, 0, 0, 0, 0)
 
 
 def new_moves():
-    """Motions that are used again, line after line."""
+    """Return motions that are used again, line after line."""
     return [Motion(commands.LINE) for _ in range(2)]
 
 
@@ -41,6 +41,7 @@ class Motions(Reader):
     # --- where the machine is
 
     def _take_position(self):
+        """Take the position from the machine's target, if anything else has moved it."""
         target = self.machine.target
         steps = self._steps
         for axis in range(self.axes):
@@ -49,14 +50,14 @@ class Motions(Reader):
                 self.position[axis] = round_half_away(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
 
     def _to_steps(self, target):
-        """`target` in steps. An axis that it leaves out stays where it is."""
+        """Return `target`, nm, in steps. An axis that it leaves out stays where it is. Raises Refused."""
         steps = [round_half_away(target[axis] * self.machine.steps_per_m[axis], NM_PER_M) for axis in range(len(target))]
         if max(steps) > MAX_STEPS or min(steps) < -MAX_STEPS:
             raise Refused(errors.JOG_TRAVEL)
         return steps + self._steps[len(steps) :]
 
     def _read_target(self, machine_coordinates):
-        """Return the target of the axis words, in machine coordinates."""
+        """Return the target of the line's axis words, nm in machine coordinates."""
         target = self.position[:]
         for axis in range(self.axes):
             letter = (X + axis) % 26
@@ -77,7 +78,7 @@ class Motions(Reader):
     # --- motion
 
     def _set_shared(self, motion, feed, per_min, number, spindle, rpm):
-        """Set the fields that every motion of this line shares."""
+        """Set the fields that every motion of this line shares: feed in nm/s, 1/min in thousandths, line number, tool and power."""
         self._feed, self._per_min, self._number = feed, per_min, number
         self._cutting = 100 <= motion <= 300
         self._lit = spindle != 5 and rpm > 0 and (self._cutting or not self.laser)
@@ -85,7 +86,7 @@ class Motions(Reader):
         self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
 
     def _add_motion(self, kind, target, feed):
-        """Append the motion to `target`."""
+        """Append the motion to `target`, nm, at `feed` nm/s (0: rapid) to `commands`. Returns it."""
         at = len(self.commands)
         command = self._fill_motion(self._moves[at] if at < len(self._moves) else Motion(kind), target, feed)
         command.kind = kind
@@ -99,7 +100,7 @@ class Motions(Reader):
         return command
 
     def _fill_motion(self, command, target, feed):
-        """Fill in a motion of this line."""
+        """Fill in a motion of this line. Returns it. Raises Refused."""
         command.target = self._to_steps(target)
         command.feed = feed
         command.per_min = self._per_min if feed else 0
@@ -110,11 +111,11 @@ class Motions(Reader):
         return command
 
     def _rotary_feed(self, target, feed):
-        """The feed of a line whose F was given in G20: degrees a minute, not inches, if only the rotary axis moves."""
+        """Return the feed of a line whose F was given in G20: degrees a minute, not inches, if only the rotary axis moves."""
         return round_half_away(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
     def _read_motion(self, motion, axis_words, machine_coordinates):
-        """Return the end of the motion; None if the line has nothing to move."""
+        """Append the line's motion, of code `motion`. Returns its end, nm; None if the line has nothing to move. Raises Refused."""
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
         if motion >= 200 and not axis_words and not self._gives_sweep(motion):
@@ -138,10 +139,11 @@ class Motions(Reader):
         return target
 
     def _gives_sweep(self, motion):
-        """True if the line gives an arc's angle instead of its end. An extension."""
+        """Return True if the line gives an arc's angle, H, instead of its end. An extension."""
         return motion in (200, 300) and self._left >> H & 1
 
     def _read_arc(self, clockwise):
+        """Append the arc of G2 or G3. Returns its end, nm. Raises Refused."""
         first, second = _PLANES[self._plane]
         if max(first, second) >= self.axes:
             raise Refused(errors.UNSUPPORTED)
@@ -197,7 +199,7 @@ class Motions(Reader):
         return target
 
     def _go_home(self, number, axis_words):
-        """G28, G30: by way of the axis words, if there are any; then only those axes go on."""
+        """Append the motions of G28 or G30: by way of the axis words, if there are any; then only those axes go on. Returns the end, nm."""
         stored = self.offsets.homes[number]
         target = stored[:]
         if axis_words:
@@ -256,7 +258,7 @@ class Motions(Reader):
         return [x + hole * way[0], y + hole * way[1], back] + self.position[3:]
 
     def _drill_holes(self, start, way, times, heights, motion, dwell, peck):
-        """All commands of a cycle, then None."""
+        """Yield all commands of a cycle, then None."""
         x, y, z = start
         above, bottom, back = heights
         height = max(z, back)

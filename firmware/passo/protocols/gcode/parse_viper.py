@@ -23,7 +23,7 @@ from passo.records import *
 
 @micropython.viper
 def parse_lines(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
-    """See above."""
+    """Read plain lines from text[begin:count] to rows of `batch`, at most `most`. Returns how many. See above."""
     lines = 0
     fields[PARSE_ARC] = 0
     fields[PARSE_NO_ROOM] = 0
@@ -241,7 +241,7 @@ def with_decimals(value: int, decimals: int, wanted: int, most: int) -> int:
 
 @micropython.viper
 def feed_of(value: int, decimals: int, inches: int) -> int:
-    """A feed in nm/s, rounded, below 2³⁰; -1 if it is larger, or too fine. `value` counts millimetres or inches a minute."""
+    """Return a feed in nm/s, rounded, below 2³⁰; -1 if it is larger, or too fine. `value` counts millimetres or inches a minute."""
     if inches:
         value = int(with_decimals(value, decimals, 5, 25000000))
         if value < 0 or value > 250000000:
@@ -280,7 +280,7 @@ def axis_word(fields: ptr32, axis: int) -> int:
 
 @micropython.viper
 def length_of(fields: ptr32) -> int:
-    """The word's number as nanometres, without its sign; -1 if it is beyond 2.1 m, or too fine."""
+    """Return the word's number as nanometres, without its sign; -1 if it is beyond 2.1 m, or too fine."""
     if fields[PARSE_INCHES] == 0:
         return int(with_decimals(fields[PARSE_VALUE], fields[PARSE_DECIMALS], 6, 214000000))
     value = int(with_decimals(fields[PARSE_VALUE], fields[PARSE_DECIMALS], 5, 845000))
@@ -291,7 +291,7 @@ def length_of(fields: ptr32) -> int:
 
 @micropython.viper
 def centre_word(fields: ptr32, which: int) -> int:
-    """PARSE_I (0) or PARSE_J (1); 0 if the line has it already, or it is too far."""
+    """Set PARSE_I (which 0) or PARSE_J (1). Returns 0 if the line has it already, or it is too far; else 1."""
     have = fields[PARSE_HAVE]
     value = int(length_of(fields))
     if value < 0 or have & HAS_I << which:
@@ -303,7 +303,7 @@ def centre_word(fields: ptr32, which: int) -> int:
 
 @micropython.viper
 def set_deltas(fields: ptr32) -> int:
-    """PARSE_DELTAS, the steps of each axis from where the machine is to PARSE_TO; 0 if that is beyond the travel, or too far."""
+    """Set PARSE_DELTAS, the steps of each axis from where the machine is to PARSE_TO. Returns 0 if that is beyond the travel, or too far; else 1."""
     axis = 0
     while axis < fields[PARSE_AXES]:
         delta = 0
@@ -330,8 +330,8 @@ def set_deltas(fields: ptr32) -> int:
 
 @micropython.viper
 def steps_of(nm: int, resolution: int) -> int:
-    """nm · resolution / 10⁹, 0 ≤ nm < 2³¹, to the nearest, halves up, in digits of 15 bits and one above them; -1 from 2²⁹ on.
-    `resolution` is steps a metre."""
+    """Return nm · resolution / 10⁹, 0 ≤ nm < 2³¹, to the nearest, halves up, by long division in digits of 15 bits; -1 from 2²⁹ on. `resolution` is
+    steps a metre."""
     above = resolution if nm >> 30 & 1 else 0
     nm &= 0x3FFFFFFF
     low = (nm & 0x7FFF) * (resolution & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
@@ -358,7 +358,7 @@ def steps_of(nm: int, resolution: int) -> int:
 
 @micropython.viper
 def set_power(fields: ptr32) -> int:
-    """PARSE_LIT and PARSE_POWER of a laser; 0 if they would change without a step."""
+    """Set PARSE_LIT and PARSE_POWER of a laser. Returns 0 if they would change without a step, else 1."""
     if fields[PARSE_FULL] <= 1:
         return 1
     lit = 1 if fields[PARSE_MOTION] and fields[PARSE_TURNS] else 0
@@ -379,7 +379,7 @@ def set_power(fields: ptr32) -> int:
 
 @micropython.viper
 def power_thousandths(part: int, full: int) -> int:
-    """part / full in thousandths, at most 1000, to the nearest, but not 0 for more than a millionth."""
+    """Return part / full in thousandths, at most 1000, to the nearest, but not 0 for more than a millionth."""
     if part >= full:
         return 1000
     rest = part
@@ -397,7 +397,7 @@ def power_thousandths(part: int, full: int) -> int:
 
 @micropython.viper
 def accept_line(fields: ptr32, batch: ptr32, row: int):
-    """All is right: the line's values count from here on, and its row is filled in."""
+    """Let the line's values count from here on, and fill in its row."""
     axis = 0
     while axis < fields[PARSE_AXES]:
         fields[PARSE_POSITION + axis] = fields[PARSE_TO + axis]

@@ -62,7 +62,7 @@ class GCode(Motions):
         self.reset()
 
     def reset(self):
-        """The modal state after power-up. Work offsets are the offsets' own affair."""
+        """Set the modal state as after power-up. Work offsets stay."""
         self.leave_batch()
         self.motion = 0
         self.plane = 17
@@ -74,13 +74,13 @@ class GCode(Motions):
         self._steps = [None] * self.axes
 
     def forget_position(self):
-        """Take the machine's word for where it stands: after a change of steps/mm, too."""
+        """Take the position from the machine at the next line: after a change of steps/mm, too."""
         self.leave_batch()
         self._steps = [None] * self.axes
         self._system_known = None
 
     def leave_batch(self):
-        """Take over the changes of the last plain lines; the next one finds out its position anew."""
+        """Take over the changes of the last plain lines; the next batch finds out its position anew."""
         if not self._unknown:
             self._unknown = True
             fields = self.fields
@@ -95,8 +95,7 @@ class GCode(Motions):
             self.position[:named] = list(fields[PARSE_POSITION : PARSE_POSITION + named])
 
     def interpret_line(self, line, jog=False):
-        """Understand `line` (bytes). 0, or the number of the error that refuses it; `commands` is empty then.
-        `jog`: the line follows `$J=`."""
+        """Read a line, bytes. Returns 0, or the number of the error that refuses it; `commands` is empty then. `jog`: the line follows `$J=`."""
         self.leave_batch()
         self.commands = []
         self.ended = False
@@ -121,7 +120,7 @@ class GCode(Motions):
     # --- batches of plain lines
 
     def open_rows(self, batch):
-        """True if plain lines may be put into `batch`, which the controller has just opened."""
+        """Return True if plain lines may be put into `batch`, which the controller has just opened."""
         if (
             self._unknown or self.offsets.version != self._offsets_known or self._ends != batch.target
             or self._reach is not batch.reach
@@ -137,7 +136,7 @@ class GCode(Motions):
         return True
 
     def _fill_fields(self, batch):
-        """Fill in `fields` from the modal state. False if that is not for plain lines."""
+        """Fill in `fields` from the modal state. Returns False if that is not for plain lines."""
         self.leave_batch()
         if (
             self.motion not in (0, 100, 200, 300) or not self.per_minute or self.turns and self.inch_feed != self.inches
@@ -172,7 +171,7 @@ class GCode(Motions):
         return True
 
     def _know_axes(self, reach):
-        """Fill in offsets, steps/mm and travel, which stay if a line changes modes only. False if they are too large for plain lines."""
+        """Fill in offsets, steps/mm and travel, which stay if a line changes modes only. Returns False if they are too large for plain lines."""
         fields = self.fields
         self._system_known = None
         fields[PARSE_LEAST] = 1
@@ -222,6 +221,7 @@ class GCode(Motions):
         return True
 
     def _read_line(self):
+        """Read the words of a line, check them all, then let them count. Raises Refused."""
         found = self._found
         number = self._read_count(N, 0, MAX_LINE, errors.LINE_NUMBER)
         non_modal = found[NON_MODAL]
@@ -282,13 +282,13 @@ class GCode(Motions):
             self._stop_programme(found[STOPPING] - M_CODES)
 
     def _check_rest(self, motion):
-        """Refuse words that nothing has taken."""
+        """Raise Refused for words that nothing has taken."""
         if self._left & ~_ROUNDING or self._left and self._found[PATH] != 6400:
             unused = motion == G80 and self._left & self._axis_mask
             raise Refused(errors.AXIS_WORDS_UNUSED if unused else errors.WORDS_UNUSED)
 
     def _add_row(self, cuts, spindle):
-        """The motion gets the line's row of dots; `cuts`: it is a G1."""
+        """Give the motion the line's row of dots; `cuts`: it is a G1. Raises Refused."""
         if not cuts or len(self.commands) > 1:
             raise Refused(errors.WORDS_UNUSED)
         if spindle == 5:
@@ -307,7 +307,7 @@ class GCode(Motions):
         self._moves = new_moves()
 
     def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell, handed_on):
-        """Commands of the line that are carried out before its motion."""
+        """Return the commands of the line that are carried out before its motion. Raises Refused."""
         before = []
         turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
         if self.laser and spindle == 3 and not self.commands and (self.motion in (100, 200, 300)) != self._cutting:
@@ -328,6 +328,7 @@ class GCode(Motions):
         return before
 
     def _read_jog(self):
+        """Read the words of a line behind `$J=`. Raises Refused."""
         found = self._found
         for group in range(GROUPS):
             if found[group] != NONE and group not in (NON_MODAL, DISTANCE, UNITS):
@@ -375,6 +376,7 @@ class GCode(Motions):
     # --- the rest of a line
 
     def _spindle_command(self, spindle, rpm, motion):
+        """Return the command SPINDLE: `spindle` 3, 4 or 5, `rpm` in thousandths."""
         command = Command(commands.SPINDLE, value=spindle)
         lit = spindle != 5 and rpm > 0
         command.power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if lit else 0

@@ -40,6 +40,7 @@ class Reader:
     # --- reading the line: `_left` has the words that no command has taken yet
 
     def _find_codes(self):
+        """Sort the line's codes into `_found`, by modal group. Raises Refused."""
         words = self.words
         found = self._found
         for group in range(GROUPS):
@@ -69,20 +70,20 @@ class Reader:
         self._left = words.have & ~self._flat
 
     def _take_word(self, letter):
-        """True if the word is there; no other command may have it then."""
+        """Return True if the word is there; no other command may have it then."""
         if not self._left >> letter & 1:
             return False
         self._left &= ~(1 << letter)
         return True
 
     def _length_of(self, letter):
-        """Nanometres, of inches exact to five decimals; of a rotary axis millionths of a degree."""
+        """Return the word's value in nanometres, of inches exact to five decimals; of a rotary axis in millionths of a degree."""
         if self._inches and not (letter == A and self.turns):
             return self.words.word_value(letter, 5, 254)
         return self.words.word_value(letter, 6)
 
     def _read_count(self, letter, default, most, error):
-        """The number behind `letter`, which counts something; `default` without it. Above `most` it is refused with `error`."""
+        """Return the number behind `letter`, which counts something; `default` without it. Raises Refused with `error` above `most`."""
         if not self._take_word(letter):
             return default
         number = self.words.word_value(letter, 0)
@@ -93,7 +94,7 @@ class Reader:
     # --- values
 
     def _read_feed(self, per_minute, wants):
-        """(feed in nm/s, thousandths of 1/minute): one of them, the other 0. `wants`: the motion needs it."""
+        """Return (feed in nm/s, thousandths of 1/minute): one of them, the other 0. `wants`: the motion needs it. Raises Refused."""
         given = self._take_word(F)
         self._inch_feed = self._inches if given else self.inch_feed
         feed = per_min = 0
@@ -106,23 +107,26 @@ class Reader:
         return feed, per_min
 
     def _read_coolant(self, code):
+        """Return the coolant that the line's code switches on: 1 flood, 2 mist, 3 both."""
         if code == NONE:
             return self.coolant
         return (self.coolant | 2, self.coolant | 1, 0)[(code - M_CODES) // 100 - 7]
 
     def _read_dwell(self):
+        """Return the dwell behind P in microseconds. Raises Refused."""
         if not self._take_word(P):
             raise Refused(errors.VALUE_MISSING)
         return self.words.word_value(P, 6)
 
     def _whole_number(self, letter):
+        """Return the word's value. Raises Refused if it is not whole."""
         number = self.words.word_value(letter, 0)
         if self.words.word_value(letter, 3) != number * 1000:
             raise Refused(errors.NOT_INTEGER)
         return number
 
     def _hand_on(self, code):
-        """The command of a code that is handed on as it is."""
+        """Return the command of a code that is handed on to a feature. Raises Refused."""
         letter = CODES[code] >> LETTER
         if letter and not self._take_word(letter):
             raise Refused(errors.VALUE_MISSING)
@@ -143,8 +147,8 @@ class Reader:
         return changed
 
     def _read_length(self, code, tool):
-        """G43, G43.1, G49: the tool's length, nm. It counts for this line's motion; interpret() puts the old one back if the line is
-        refused. A machine without a table keeps the length that it has: none, or a measured one."""
+        """Return the tool's length of G43, G43.1 or G49, nm. It counts for this line's motion; interpret_line() puts the old one back if the line is
+        refused. A machine without a table keeps its length: none, or a measured one. Raises Refused."""
         offsets = self.offsets
         length = 0
         if code == 4310:
@@ -160,13 +164,14 @@ class Reader:
         return length
 
     def _only_z(self):
-        """The length behind Z, no other axis word being there."""
+        """Return the length behind Z, nm. Raises Refused if another axis word is there."""
         if self._left & self._axis_mask != 1 << Z:
             raise Refused(errors.TOOL_LENGTH_AXIS)
         self._take_word(Z)
         return self._length_of(Z)
 
     def _read_offsets(self, code, axis_words):
+        """Return (method of Offsets, its arguments …) for G10, G28.1, G30.1, G92 or G92.1. Raises Refused."""
         offsets = self.offsets
         if code in (2810, 3010):
             return offsets.set_home, code // 100, self.position[:]

@@ -15,7 +15,7 @@ from passo.records import *
 
 @micropython.viper
 def put_dot(dots: ptr32, row: int, level: int):
-    """Dot number `row` of a row that is not counted yet, if there is room for it."""
+    """Put dot number `row` of the row being read behind those that count, if there is room for it."""
     dot = (dots[DOTS_HEAD] + row) & dots[DOTS_MASK]
     if row < int(dots_room(dots)):
         at = dots[DOTS_AT] + dot // 3
@@ -40,7 +40,7 @@ def row_waits(text: ptr8, at: int, count: int, dots: ptr32) -> int:
 
 @micropython.viper
 def dots_room(dots: ptr32) -> int:
-    """How many more dots the ring has room for."""
+    """Return for how many more dots the ring has room."""
     return (dots[DOTS_TAIL] - dots[DOTS_HEAD] - 1) & dots[DOTS_MASK]
 
 

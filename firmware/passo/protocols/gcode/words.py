@@ -48,6 +48,7 @@ _POWERS = tuple([10**exponent for exponent in range(_DECIMALS + 1)])
 
 
 def _letter_mask(letters):
+    """Return the mask of letters, A bit 0."""
     mask = 0
     for letter in letters:
         mask |= 1 << ord(letter) - 65
@@ -71,7 +72,7 @@ class Words:
         self._decimals = bytearray(27)
 
     def scan_line(self, line):
-        """Read a line. 0, or the number of the first error; then the words mean nothing."""
+        """Read a line, bytes. Returns 0, or the number of the first error; then the words mean nothing."""
         self.have = self.count = 0
         self.row, self.packed = None, False
         letter, point = -1, False
@@ -129,7 +130,7 @@ class Words:
         return self._keep_word(letter, -value if sign < 0 else value, digits, decimals) if letter >= 0 else 0
 
     def _unpack_row(self, text):
-        """The powers of a packed row, of digits to the base 32."""
+        """Take the powers of a packed row, of digits to the base 32. Returns 0, or the number of an error."""
         for byte in text:
             if byte & 0xE0 != 0x40:
                 return errors.LETTER
@@ -141,6 +142,7 @@ class Words:
         return errors.NUMBER if max(self.row) > 1000 else 0
 
     def _keep_word(self, letter, value, digits, decimals):
+        """Keep a word's value. Returns 0, or the number of an error."""
         if not digits:
             return errors.NUMBER
         if letter == _DOT:
@@ -162,6 +164,7 @@ class Words:
         return 0
 
     def _keep_code(self, letter, value, decimals):
+        """Keep a G or M code in hundredths. Returns 0, or the number of an error."""
         if decimals > 2 and value % _POWERS[decimals - 2]:
             return errors.UNSUPPORTED
         value = value * 100 // _POWERS[decimals]
@@ -172,15 +175,15 @@ class Words:
         return 0
 
     def word_value(self, letter, places, by=1):
-        """`by` times the value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
+        """Return `by` times the value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
         places -= self._decimals[letter]
         value = self._mantissa[letter] * by
         return value * _POWERS[places] if places >= 0 else round_half_away(value, _POWERS[-places])
 
 
 def bare_line(line, unfinished=False):
-    """The characters of a line that count: without blanks and comments, but with each 00, and 7F, which stands for a byte that is no ASCII.
-    If it is `unfinished`, marks of real-time bytes stay, and the beginning of a comment that has not ended as its last character."""
+    """Return the characters of a line that count: no blanks, no comments, but each 00, and 7F, which stands for a byte beyond ASCII. If it is
+    `unfinished`, marks of real-time bytes stay, and an open comment's first character comes last."""
     kept = bytearray()
     comment = 0
     for byte in line:
@@ -201,14 +204,14 @@ def bare_line(line, unfinished=False):
 
 
 def longest_line(line):
-    """Characters that a line may have, whose blanks and comments are gone."""
+    """Return how many characters a line may have, blanks and comments not counted."""
     if b"=" in line and line[:1] != b"$":
         return PACKED_LONGEST
     return ROW_LONGEST if b":" in line else LONGEST
 
 
 def round_half_away(value, by):
-    """value / by, `by` > 0, rounded to the nearest, halves away from zero."""
+    """Return value / by, `by` > 0, rounded to the nearest, halves away from zero."""
     if value < 0:
         return -((by // 2 - value) // by)
     return (by // 2 + value) // by

@@ -10,6 +10,7 @@ GUARDED = True  # with homing ($22) a link moves nothing before the machine is h
 
 
 def _axis_names(board):
+    """Return the names of the axes that G-code may use, "xyza" or at most three."""
     axes = "".join([axis["name"] for axis in board["axes"]])
     return axes if axes == "xyza" else axes[:3]
 

@@ -6,7 +6,7 @@ _GOOD = const(1)  # steps of range
 
 
 def homing_lines(found):
-    """A line a sensor: axis (2: a gantry's second side), runs, range and σ in steps, and what to change."""
+    """Return a line a sensor: axis (2: a gantry's second side), runs, range and σ in steps, and advice."""
     lines = []
     for axis, side, runs, wide, sigma, drift in found:
         name = "xyza"[axis] + ("2" if side else "")
@@ -15,6 +15,7 @@ def homing_lines(found):
 
 
 def _advice_on(wide, drift):
+    """Return advice for a range and a drift, in steps."""
     if wide <= _GOOD:
         return "good"
     if 2 * abs(drift) > wide:

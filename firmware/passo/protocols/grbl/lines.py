@@ -83,7 +83,7 @@ def buffer_bytes(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
 
 @micropython.viper
 def move_up(text: ptr8, lines: ptr32):
-    """Make room behind the bytes that are kept."""
+    """Move the bytes that are kept to the start of the buffer, to make room behind them."""
     begin = lines[LINES_AT]
     at = begin
     while at < lines[LINES_END]:
@@ -95,7 +95,7 @@ def move_up(text: ptr8, lines: ptr32):
 
 
 def real_time(byte):
-    """The command of a real-time byte, or None."""
+    """Return the command of a real-time byte; None if it has no such meaning."""
     if byte in _PLAIN:
         return Command(_PLAIN[byte])
     if byte in _TOGGLES:
@@ -112,7 +112,7 @@ def real_time(byte):
 
 
 def mark_of(command):
-    """The blank that stands for a real-time byte from 0x80 on within a line: 1 … 8, as what_acted() reads it."""
+    """Return the blank that stands for a real-time byte from 0x80 on within a line: 1 … 8, as what_acted() reads it."""
     if command.kind == commands.OVERRIDE:
         return 1 + command.value
     if command.kind != commands.TOGGLE:
@@ -148,11 +148,12 @@ class Lines:
         self.clear_lines()
 
     def make_buffer(self):
-        """Make the buffer. Raises MemoryError."""
+        """Allocate the buffer. Raises MemoryError."""
         if not self.text:
             self.text = buffer(self.fields[LINES_SIZE])
 
     def clear_lines(self):
+        """Forget all lines; the bytes stay, for a black box."""
         fields = self.fields
         fields[LINES_AT] = fields[LINES_WHOLE] = fields[LINES_END]  # the bytes stay, for a black box
         for field in range(LINES_ASKED, LINES_SIZE):
@@ -162,16 +163,17 @@ class Lines:
         self._after_return = False
 
     def has_lines(self):
+        """Return True if a whole line is kept, or one was lost."""
         fields = self.fields
         return fields[LINES_AT] < fields[LINES_WHOLE] or self.lost
 
     def count_lines(self):
-        """Lines that are kept."""
+        """Return the number of lines that are kept."""
         fields = self.fields
         return bytes(self.text[fields[LINES_AT] : fields[LINES_WHOLE]]).count(b"\n")
 
     def is_amid_line(self):
-        """True if a line has begun and not ended."""
+        """Return True if a line has begun and not ended."""
         return self._spoilt or self.fields[LINES_END] > self.fields[LINES_WHOLE]
 
     def drop_begun(self):
@@ -188,11 +190,11 @@ class Lines:
             fields[LINES_END] = end - 1
 
     def free_bytes(self):
-        """Bytes that can be kept."""
+        """Return the number of bytes that can be kept."""
         return self.fields[LINES_SIZE] - self.fields[LINES_END] + self.fields[LINES_AT]
 
     def take_bytes(self, data):
-        """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
+        """Keep bytes. Returns False, and keeps nothing, if real-time bytes other than `?` are among them."""
         if not data:
             return True
         if not self.text:
@@ -215,6 +217,7 @@ class Lines:
         self.fields[LINES_SLOWLY] = 1 if self._spoilt or self.lost or self._after_return else 0
 
     def _take_each(self, data):
+        """Keep bytes with carriage returns, or beyond the room, piece by piece."""
         data = bytes(data)
         if b"?" in data:
             self.fields[LINES_ASKED] = 1
@@ -249,12 +252,13 @@ class Lines:
             self._check_length()
 
     def _check_length(self):
+        """Squeeze the line that has not ended yet, if it is longer than _RAW bytes."""
         if self.fields[LINES_END] - self.fields[LINES_WHOLE] > _RAW:
             self._squeeze_line(b"")
             self._note_slow()
 
     def _squeeze_line(self, piece):
-        """Of the line that has not ended yet, and `piece` behind it, keep only what counts. An open comment stays open."""
+        """Keep only what counts of the line that has not ended yet, and of `piece` behind it. An open comment stays open."""
         fields = self.fields
         whole = fields[LINES_WHOLE]
         kept = bare_line(bytes(self.text[whole : fields[LINES_END]]) + piece, True)
@@ -266,10 +270,12 @@ class Lines:
         fields[LINES_END] = end
 
     def _spoil_line(self):
+        """Drop the line that has not ended yet; it is too long, or finds no room."""
         self._spoilt = True
         self.fields[LINES_END] = self.fields[LINES_WHOLE]
 
     def _end_line(self):
+        """End the line, or count it as lost."""
         line = _TOO_LONG if self._spoilt else b"\n"
         self._spoilt = False
         fields = self.fields
@@ -281,7 +287,7 @@ class Lines:
         fields[LINES_END] = fields[LINES_WHOLE] = end
 
     def next_line(self):
-        """The oldest line, which leaves the queue; None for one that was too long, or found no room; False if there is none."""
+        """Return the oldest line, bytes, and take it out; None for one that was too long or found no room; False if there is none."""
         fields = self.fields
         at = fields[LINES_AT]
         if at == fields[LINES_WHOLE]:

@@ -87,6 +87,7 @@ class Grbl:
         self.system.learn_lines(start, understand, asked)
 
     def _forget_lines(self):
+        """Forget all lines, and the command under way."""
         self._lines.clear_lines()
         self._start_lines = []  # texts, whose turn is before that of the lines
         self._under_way = None  # the command that an answer is awaited for
@@ -94,6 +95,7 @@ class Grbl:
         self._start_line = None  # the line under way is a start-up line
 
     def _take_settings(self):
+        """Take laser, highest speed and parking from the settings."""
         settings = self._settings
         self._version = settings.version
         laser = bool(settings.value(SETTING_LASER))
@@ -108,7 +110,7 @@ class Grbl:
     # --- bytes to batches
 
     def sources(self):
-        """(line buffer, parser), for an option that records this link. Call it before prepare()."""
+        """Return (line buffer, parser), for an option that records this link. Call it before prepare()."""
         return self._lines, self.gcode
 
     def begin_file(self):
@@ -151,7 +153,7 @@ class Grbl:
 
     @micropython.native
     def _open_batch(self):
-        """True if the batch is open: nothing is unusual, and some lines may be there, the first of which is no `$` line."""
+        """Open the batch. Returns True if it is open: nothing is unusual, and the first line kept is no `$` line."""
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
@@ -173,7 +175,7 @@ class Grbl:
         return True
 
     def _answer_lines(self, taken, data):
-        """Return the answers to many lines, or to none, and go on if take_lines() could not."""
+        """Return the answers to take_lines(), and go on if it could not: with a slow buffer, an arc, or lines that the machine has refused."""
         if taken == REAL_TIME:
             self._real_time = True
             return None
@@ -199,7 +201,7 @@ class Grbl:
     # --- bytes to commands
 
     def buffer_input(self, data):
-        """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take_batch() and feed()."""
+        """Keep `data`. Returns the commands of its real-time bytes, as feed(). Lines wait for take_batch() and feed()."""
         if not self._lines.take_bytes(data):
             return self._take_real_time(data)
         asked = self._lines.fields[LINES_ASKED]
@@ -207,7 +209,7 @@ class Grbl:
         return self._asked if asked else ()
 
     def feed(self, data, now_ms):
-        """Commands, each to be answered by reply() before the next is asked for."""
+        """Return commands, each to be answered by reply() before the next is asked for."""
         if data:
             if self._real_time or not self._lines.take_bytes(data):
                 self._real_time = False
@@ -224,7 +226,7 @@ class Grbl:
         return self._next_commands()
 
     def pending(self):
-        """True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
+        """Return True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
         lines = self._lines
         fields = lines.fields
         if fields[LINES_ASKED]:
@@ -234,11 +236,12 @@ class Grbl:
         return fields[LINES_AT] < fields[LINES_WHOLE] or self._rest or self._start_lines or lines.lost
 
     def is_amid(self, text):
-        """True if, behind `text`, a line has begun and not ended."""
+        """Return True if, behind `text`, a line has begun and not ended."""
         tail = text.replace(b"\r", b"\n").split(b"\n")
         return bool(tail[-1].strip(b"?!~\x18")) or len(tail) == 1 and self._lines.is_amid_line()
 
     def _next_commands(self):
+        """Yield the commands of the oldest lines, `most` at most, as long as each has been answered."""
         if self._lines.fields[LINES_ASKED]:
             self._lines.fields[LINES_ASKED] = 0
             yield self._asked[0]
@@ -293,7 +296,7 @@ class Grbl:
     # --- lines to commands
 
     def _line_commands(self, line):
-        """The commands of a line, one at least."""
+        """Return the commands of a line, one at least."""
         if self._stale and not isinstance(line, str):
             self._stale -= 1
             if line is None or bare_line(line):
@@ -335,7 +338,7 @@ class Grbl:
     # --- events to bytes
 
     def reply(self, event):
-        """The bytes that tell the sender of `event`."""
+        """Return the bytes that tell the sender of `event`."""
         command = event.command
         if command.kind == commands.STATUS:
             fields = self._lines.fields
@@ -376,12 +379,13 @@ class Grbl:
         return text.encode()
 
     def _is_failed_homing(self, event):
-        """True for homing that an alarm has ended. grbl answers ok then, behind the alarm and before its banner."""
+        """Return True for homing that an alarm has ended. grbl answers ok then, behind the alarm and before its banner."""
         if event.command.kind != commands.HOME or event.error != errors.LOCKED:
             return False
         return errors.ALARM_HOMING_RESET <= self._machine.alarm <= errors.ALARM_TWO_MOTORS
 
     def _answer_line(self, text):
+        """Return an answer's line, behind the text of a start-up line."""
         if self._start_line is not None:
             text = ">%s:%s" % (self._start_line, text)
         return text + "\r\n"
@@ -426,6 +430,7 @@ class Grbl:
         return b""
 
     def _begin_anew(self, alarm):
+        """Forget everything. Returns the banner, and the note about an alarm."""
         self._forget_lines()
         self.gcode.reset()
         self.gcode.offsets.reset_shift()
@@ -436,6 +441,7 @@ class Grbl:
         return text
 
     def _note_probe(self, value, measures):
+        """Note where the probe has touched; with `measures` that is a tool's length. Returns the [PRB:…] line."""
         position, touched = value
         system = self.system
         system.probed = [round_half_away(steps * NM_PER_M, per_m) for steps, per_m in zip(position, self._machine.steps_per_m)]

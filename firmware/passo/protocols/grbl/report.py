@@ -42,6 +42,7 @@ _END = const(3)  # bytes of a report's end
 
 
 def message_line(text):
+    """Return a [MSG:…] line."""
     return "[MSG:%s]\r\n" % text
 
 
@@ -58,7 +59,7 @@ def log_lines(log):
 
 
 def decimal_text(value, places):
-    """`value` in units of 10⁻ᵖˡᵃᶜᵉˢ as text."""
+    """Return `value` in units of 10⁻ᵖˡᵃᶜᵉˢ as text."""
     unit = 10**places
     sign = "-" if value < 0 else ""
     value = abs(value)
@@ -66,21 +67,22 @@ def decimal_text(value, places):
 
 
 def length_text(nm, inches):
-    """Nanometres as text: millimetres with three decimals, or inches with four."""
+    """Return nanometres as text: millimetres with three decimals, or inches with four."""
     return decimal_text(round_half_away(nm, _NM_PER_TENTH_MIL), 4) if inches else decimal_text(round_half_away(nm, 1000), 3)
 
 
 def position_text(lengths, inches):
+    """Return lengths of axes, nm, as text with commas."""
     return ",".join([length_text(nm, inches) for nm in lengths])
 
 
 def rate_text(nm_s, inches):
-    """A speed as text: whole mm/min, or in/min with one decimal."""
+    """Return a speed as text: whole mm/min, or in/min with one decimal."""
     return decimal_text(round_half_away(3 * nm_s, 127_000), 1) if inches else str(round_half_away(3 * nm_s, 50_000))
 
 
 def modes_line(gcode, inches):
-    """The [GC:…] line of $G."""
+    """Return the [GC:…] line of $G."""
     motion = gcode.motion
     words = ["G" + (decimal_text(motion // 10, 1) if motion % 100 else str(motion // 100))]
     words.append("G%d G%d G%d" % (54 + gcode.system, gcode.plane, 20 if gcode.inches else 21))
@@ -91,7 +93,7 @@ def modes_line(gcode, inches):
 
 
 def parameter_lines(gcode, probed, touched, inches, homed):
-    """The lines of $#; `probed` is the position of the last touch in nm, `touched` whether there was one."""
+    """Return the lines of $#. `probed`: the position of the last touch, nm; `touched`: whether there was one."""
     offsets = gcode.offsets
     lines = ["[G%d:%s]\r\n" % (54 + number, position_text(offsets.systems[number], inches)) for number in range(6)]
     lines += ["[G%d:%s]\r\n" % (number, position_text(offsets.homes[number], inches)) for number in (28, 30)]
@@ -107,6 +109,7 @@ def parameter_lines(gcode, probed, touched, inches, homed):
 
 
 def probe_line(probed, touched, inches):
+    """Return the [PRB:…] line."""
     return "[PRB:%s:%d]\r\n" % (position_text(probed, inches), 1 if touched else 0)
 
 
@@ -122,12 +125,13 @@ class Status:
         self.reset_cycle()
 
     def reset_cycle(self):
+        """Let offsets and overrides be in the next report."""
         self._wco = 0  # reports until the offsets are due
         self.overrides = 0
         self._settings_of = self._offsets_of = self._system = None  # that the fields are of
 
     def _take_over(self):
-        """Settings and offsets."""
+        """Take over settings and offsets."""
         gcode = self._gcode
         settings = self._settings
         if self._out is None:
@@ -158,7 +162,7 @@ class Status:
     # In small pieces, whose variables do not go on the heap (see app.py).
 
     def report_bytes(self, report, room):
-        """As bytes that are good until the next report. `report`: the controller's; `room`: for lines, in bytes."""
+        """Return a report, bytes that are good until the next one. `report`: the controller's; `room`: for lines, in bytes."""
         if self._offsets_of != self._gcode.offsets.version or self._system != self._gcode.system:
             self._wco = 0
             self._take_over()
@@ -187,11 +191,11 @@ class Status:
         return self._said
 
     def _write_begin(self, report):
-        """Write what each report has. Returns where it ends."""
+        """Write the part that each report has. Returns where it ends."""
         return write_report(self._out, self._form, self._fields, report["seen"], report["position"], self._gcode.axes)
 
     def _choose_form(self, report, numbered):
-        """The power, and the form that the state asks for; `numbered`: the line has a number."""
+        """Take the power, and the form for the state; `numbered`: the line has a number."""
         power = report["power"]
         if power != self._power:
             self._power = power
@@ -213,7 +217,7 @@ class Status:
             self._form = self._make_form()
 
     def _make_form(self):
-        """A report up to FS, for tell()."""
+        """Return the form of a report up to FS, for write_form()."""
         form = b"<" + _STATES[self._state]
         if self._substate >= 0:
             form += b"%d" % self._substate
@@ -226,6 +230,7 @@ class Status:
         return form + b"|FS:" + _SPEEDS
 
     def _now_and_then(self, report, at):
+        """Write offsets, or overrides and accessories, if they are due. Returns where they end."""
         busy = report["state"] in _BUSY
         if self._wco:
             self._wco -= 1
@@ -252,6 +257,6 @@ class Status:
         return at
 
     def _override_form(self, spindle, coolant):
-        """Overrides and accessories, for tell()."""
+        """Return overrides and accessories, for write_form()."""
         accessories = _SPINDLES[spindle] + _COOLANTS[coolant]
         return ("|Ov:%d,%d,%d" % tuple(self._percents) + ("|A:%s\0" % accessories if accessories else "\0")).encode()

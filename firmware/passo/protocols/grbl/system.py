@@ -23,14 +23,14 @@ INFO = "I"
 
 
 def text_answer(text):
-    """Return a command whose only purpose is that `text` is the answer in its turn."""
+    """Return [a command with the only purpose that `text` is the answer in its turn]."""
     command = Command(commands.HELLO)
     command.text = text
     return [command]
 
 
 def text_answers(lines):
-    """Answers of a few lines each: all in one piece would ask for more memory than a board may have so."""
+    """Return answers of a few lines each: all in one piece would ask for more memory than a board may have so."""
     parts = []
     for first in range(0, len(lines), _A_FEW):
         parts += text_answer("".join(lines[first : first + _A_FEW]))
@@ -52,17 +52,18 @@ class System:
         self._asked = ("$#", "$I", "$N")  # lines that any link may say
 
     def learn_lines(self, start, understand, asked=False):
-        """Lines that begin with `start` are an option's: understand(machine, what follows) returns as execute_line(). `asked`: any link may say the
-        line that is `start` and no more."""
+        """Take an option's lines that begin with `start`: understand(machine, the rest) returns as execute_line(). `asked`: any link may say the line
+        that is `start` and no more."""
         self._own += ((start, understand),)
         if asked:
             self._asked += (start,)
 
     def in_inches(self):
-        """Whether reports are in inches: never, if an axis counts degrees."""
+        """Return True if reports are in inches: never, if an axis counts degrees."""
         return self._settings.value(SETTING_INCHES) and not self._gcode.turns
 
     def execute_line(self, line):
+        """Return the commands of a `$` line, or the number of an error."""
         state = self._machine.state
         if line == "$":
             return text_answer(grbl_report.HELP + "\r\n")
@@ -109,6 +110,7 @@ class System:
         return self._change_setting(line)
 
     def _do_jog(self, line, state):
+        """Return the commands of `$J=…`, or the number of an error."""
         if state not in ("idle", "jog"):
             return errors.BUSY
         if line[2:3] != "=":
@@ -117,6 +119,7 @@ class System:
         return error or self._gcode.commands
 
     def _do_link(self, text):
+        """Return the commands of `$LINK` or `$LINK=…`, or the number of an error."""
         machine = self._machine
         if not text:
             return text_answer("[LINK:%d,%s]\r\n" % (machine.commander + 1, machine.links[machine.commander]))
@@ -125,7 +128,7 @@ class System:
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
 
     def _do_home(self, what):
-        """$H, $HX …: one axis, $HR=10: all, and ten times more to see how well it repeats."""
+        """Return the command of $H, $HX … (one axis) or $HR=10 (all, and ten times more to see how well it repeats), or the number of an error."""
         if not self._settings.value(22):
             return errors.HOMING_OFF
         command = Command(commands.HOME)
@@ -139,13 +142,15 @@ class System:
         return [command]
 
     def _all_settings(self):
-        """The settings."""
+        """Return the answer to `$$`."""
         return text_answers(["$%d=%s\r\n" % (number, self.setting_text(number)) for number in self._settings.numbers])
 
     def setting_text(self, number):
+        """Return a setting's value as text."""
         return grbl_report.decimal_text(self._settings.value(number), self._settings.places(number))
 
     def _info_text(self):
+        """Return the answer to `$I`."""
         text = self._settings.get(INFO) or ""
         version = "[VER:1.1h.20190830:%s]\r\n" % text  # of the grbl whose interface this is
         about = self._machine.about
@@ -158,6 +163,7 @@ class System:
         return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (self.marks, self.blocks, RX_BYTES) + rows + (grbl_report.message_line(about) if about else "")
 
     def _keep_text(self, key, text):
+        """Keep a text in the settings. Returns the answer, or the number of an error."""
         before = self._settings.snapshot()
         try:
             self._settings.put(key, text)
@@ -166,6 +172,7 @@ class System:
         return self._settings.save(before) or text_answer("")
 
     def _restore_settings(self, what):
+        """Restore settings ($), offsets (#) or both (*). Returns the answer, or the number of an error."""
         if what not in ("$", "#", "*"):
             return errors.STATEMENT
         error = self._machine.restore_settings(what != "#", "$#*".find(what))
@@ -174,6 +181,7 @@ class System:
         return error or text_answer(grbl_report.message_line(grbl_report.RESTORING)) + [Command(commands.RESET)]
 
     def _start_lines(self, line, state):
+        """Return the answer to `$N` or `$N0=…`, or the number of an error. A line is carried out before it is kept."""
         if line == "$N":
             kept = ["$%s=%s\r\n" % (key, self._settings.get(key) or "") for key in _START_LINES]
             return text_answer("".join(kept))
@@ -191,6 +199,7 @@ class System:
         return self._gcode.commands + text_answer("") + [Command(commands.MORE, value=self._store_line(key, text))]
 
     def _store_line(self, key, text):
+        """Yield the commands that keep a start-up line once it has been carried out, then None."""
         kept = errors.LOCKED if self._machine.alarm else self._keep_text(key, text)
         if isinstance(kept, int):
             yield Command(commands.BAD, error=kept)
@@ -201,6 +210,7 @@ class System:
         return [line for line in [self._settings.get(key) for key in _START_LINES] if line]
 
     def _change_setting(self, line):
+        """Change a setting, `$100=…`. Returns the answer, or the number of an error."""
         key, equals, text = line[1:].partition("=")
         if not equals or not key or [letter for letter in key if letter not in "0123456789"]:
             return errors.STATEMENT

@@ -40,7 +40,7 @@ def write_report(out: ptr8, form: ptr8, fields: ptr32, seen: ptr32, steps: ptr32
 
 @micropython.viper
 def set_speed(fields: ptr32, mm_s: int, nm_s: int):
-    """A speed, `nm_s` below a mm/s, as a number: whole mm/min, or tenths of an inch a minute, rounded. `mm_s` is 27 000 at most."""
+    """Set a speed as a number, whole mm/min or tenths of an inch a minute, rounded: mm_s, 27 000 at most, and nm_s below a mm/s."""
     if fields[REPORT_UNIT] == _TENTHS_MM:
         fields[REPORT_SPEED + NUMBER_WHOLE] = 60 * mm_s + (3 * nm_s + 25_000) // 50_000
         return

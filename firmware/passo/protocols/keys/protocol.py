@@ -45,7 +45,7 @@ class Keys:
         self._since_ms = 0
 
     def feed(self, data, now_ms):
-        """Commands, each to be carried out before the next is asked for."""
+        """Yield commands, each to be carried out before the next is asked for."""
         if self._waiting is not None and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
             self._waiting = None
             yield Command(BAD, error=errors.GARBLED)
@@ -58,7 +58,7 @@ class Keys:
                 yield command
 
     def _take_byte(self, byte, now_ms):
-        """The command of a byte, or None."""
+        """Return the command of a byte, or None."""
         if self._waiting is not None:
             motor = self._waiting
             self._waiting = None
@@ -84,13 +84,14 @@ class Keys:
         return Command(STATUS) if byte == WHY else Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def _set_speed(self, motor, speed):
+        """Return the command of a motor's new speed, a step every `speed` × 4 ms; None if it stands."""
         if not 1 <= speed <= KIT_SLOWEST:
             return Command(BAD, error=errors.NUMBER_RANGE)
         self._speed[motor] = speed
         return self._run_motors(self._turning_mask(), 1 << motor) if self._is_turning(motor) else None
 
     def _turning_mask(self):
-        """Mask of the motors that are on."""
+        """Return the mask of the motors that are on."""
         mask = 0
         for motor in range(KIT_MOTORS):
             if self._is_turning(motor):
@@ -98,10 +99,11 @@ class Keys:
         return mask
 
     def _mask_without(self, on):
+        """Return the mask of all axes but those of `on`."""
         return (1 << self._axes) - 1 & ~on
 
     def _run_motors(self, on, named):
-        """Let the motors of the mask `named` turn as they are set; `on`: all that turn then."""
+        """Return the command by which the motors of the mask `named` turn as they are set; `on`: all that turn then."""
         steps = [None] * self._axes
         rates = [None] * self._axes
         for motor in range(KIT_MOTORS):
@@ -113,15 +115,16 @@ class Keys:
         return command
 
     def reply(self, event):
-        """The kit's own tasks have no answers."""
+        """Return the answer to `?` or a line of settings; the kit's own tasks have none."""
         said = self.words.event_bytes(event)
         if said is not None:
             return said
         return bytes((WHY, event.value["error"])) if event.command.kind == STATUS else b""
 
     def push_bytes(self, event):
+        """Return b"": the board never speaks unasked."""
         return b""
 
     def drop(self, event):
-        """Nothing is held back: half a speed moves no motor."""
+        """Do nothing: half a speed moves no motor."""
         return b""

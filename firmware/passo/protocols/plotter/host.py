@@ -22,20 +22,20 @@ WORDS_BYTES = const(3)  # of a line of text, in a packet
 
 
 def packet(command, x=0, y=0):
-    """The six bytes of `command` (a byte of COMMANDS) with x and y, 0 … 65535."""
+    """Return the six bytes of `command` (a byte of COMMANDS) with x and y, 0 … 65535."""
     body = bytes((command, x >> 8 & 255, x & 255, y >> 8 & 255, y & 255))
     return body + bytes((sum(body) & 255,))
 
 
 def words_packets(line):
-    """The packets of WORDS that carry a line of text, numbered from 0 on."""
+    """Return the packets of WORDS that carry a line of text, numbered from 0 on."""
     text = line.encode() + b"\n"
     text += b" \n"[: -len(text) % WORDS_BYTES]
     return [packet(COMMANDS["WORDS"], at // WORDS_BYTES << 8 | text[at], text[at + 1] << 8 | text[at + 2]) for at in range(0, len(text), WORDS_BYTES)]
 
 
 def status_from(data):
-    """The fields of a STATUS answer of 12 bytes. Raises ValueError where it is none."""
+    """Return the fields of a STATUS answer of 12 bytes. Raises ValueError if it is none."""
     if len(data) != STATUS_LENGTH or data[0] != COMMANDS["STATUS"] or sum(data[:-1]) & 255 != data[-1]:
         raise ValueError("not a STATUS answer")
     x, y, drawn, free = [data[index] << 8 | data[index + 1] for index in (3, 5, 7, 9)]

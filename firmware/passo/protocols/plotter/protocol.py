@@ -60,7 +60,8 @@ _RESEND = b"r"
 
 @micropython.viper
 def judge_packet(data: ptr8, first: int, before: int, spare: int) -> int:
-    """The six bytes from data[first] on: 0 a packet; 1 none, or more than one; 2 a packet in which a byte repeats its neighbour."""
+    """Judge the six bytes from data[first] on. Returns 0 for a packet; 1 for none, or more than one; 2 for a packet in which a byte repeats its
+    neighbour."""
     doubt = 0
     total = 0
     index = first
@@ -153,13 +154,14 @@ class Plotter:
         return b"n" * count
 
     def _sift_bytes(self):  # without variables of its own, so that the call takes nothing off the heap: see app.py
+        """Call sift_points() for the batch. Without variables of its own, so that the call takes nothing off the heap: see app.py."""
         return sift_points(
             self._bytes, len(self._bytes), self._before, 0,
             self.batch.data, self.batch.offset, self.batch.room, self.batch.most_x, self.batch.most_y,
         )  # fmt: skip
 
     def feed(self, data, now_ms):
-        """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
+        """Return the commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
         if data:
             self._keep_bytes(data, now_ms)
         elif not self._broken and len(self._bytes) < PACKET and (not self._bytes or (now_ms - self._since) & COUNT_MASK < RESYNC_MS):
@@ -167,7 +169,7 @@ class Plotter:
         return self._packet_commands(now_ms)
 
     def _packet_commands(self, now_ms):
-        """The commands in the bytes that are kept, and errors for those that time has shown to be torn."""
+        """Return the commands in the bytes that are kept, and errors for those that time has shown to be torn."""
         commands = []
         quiet = (now_ms - self._latest) & COUNT_MASK >= self.gap_ms
         while not self._broken and len(self._bytes) >= PACKET:
@@ -195,18 +197,21 @@ class Plotter:
         return commands
 
     def _keep_bytes(self, data, now_ms):
+        """Keep bytes, and note when they came."""
         if not self._bytes:
             self._since = now_ms
         self._latest = now_ms
         self._bytes += data
 
     def _cut_packets(self, packets, now_ms):
+        """Take `packets` packets out of the bytes."""
         end = PACKET * packets
         self._before = self._bytes[end - 1]
         self._bytes = self._bytes[end:]
         self._since = now_ms
 
     def _take_packet(self, now_ms):
+        """Take a packet out of the bytes. Returns its Command; None if it is unknown."""
         data = self._bytes
         self._cut_packets(1, now_ms)
         code = data[0]
@@ -226,12 +231,13 @@ class Plotter:
         return None
 
     def _drop_torn(self, error):
+        """Drop the bytes. Returns the Command that says why."""
         self.drop_begun()
         self._why = errors.CHECKSUM
         return Command(BAD, error=error)
 
     def reply(self, event):
-        """The bytes that tell the host of `event`: none where the language has no word for it."""
+        """Return the bytes that tell the host of `event`; b"" if the language has no word for it."""
         command = event.command
         said = self.words.event_bytes(event) if self.words else None
         if said is not None:
@@ -247,11 +253,11 @@ class Plotter:
         return _ON_ACCEPTED.get(command.kind, b"")
 
     def push_bytes(self, event):
-        """The board never speaks unasked."""
+        """Return b"": the board never speaks unasked."""
         return b""
 
     def drop_begun(self):
-        """A packet that has come in part is not gone on with."""
+        """Drop a packet that has come in part."""
         self._bytes = b""
         self._before = -1
         self._broken = False
@@ -269,8 +275,8 @@ _SHOWN_AS = {"door": "hold", "check": "idle", "sleep": "alarm"}  # states that t
 
 
 def status_bytes(report):
-    """STATUS's answer: `?` state error X Y drawn free checksum; X, Y and the counts of two bytes, high byte first,
-    a position left of the origin as 0."""
+    """Return STATUS's answer: `?` state error X Y drawn free checksum; X, Y and the counts of two bytes, high byte first, a position left of the
+    origin as 0."""
     fields = [max(0, min(65535, steps)) for steps in report["position"][:2]]
     fields += [report["drawn"], min(report["free"], 65535)]
     state = _SHOWN_AS.get(report["state"], report["state"])

@@ -21,7 +21,7 @@ class PacketWords(Words):
         self._number = 0  # of the packet that follows
 
     def take_packet(self, data):
-        """The Command of a packet of six bytes."""
+        """Return the Command of a packet of six bytes."""
         number = data[1]
         if number and number + 1 == self._number:
             return Command(HELLO)

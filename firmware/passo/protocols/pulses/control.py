@@ -14,12 +14,12 @@ _VERBS = {"run": STEPS_GO, "step": STEPS_STEP, "return": STEPS_RETURN, "continue
 
 
 def whole_number(text):
-    """The whole number that `text` is, or -1."""
+    """Return the whole number that `text` is, or -1."""
     return int(text) if text.isdigit() and len(text) < 9 else -1
 
 
 def parse_control(words, axes):
-    """The Command of `words`; `axes`: the names of those that a jog may move."""
+    """Return the Command of `words`. `axes`: the names of those that a jog may move."""
     verb = words[0] if words else ""
     said = words[1] if len(words) == 2 else ""
     value = whole_number(said)
@@ -45,6 +45,7 @@ def parse_control(words, axes):
 
 
 def _verb_command(verb, said, value, alone):
+    """Return the Command of a verb of _VERBS with one word behind it, or `alone`; None if they do not go together."""
     command = Command(STEP_PROGRAM, None, _VERBS[verb])
     if said == "back" and verb in ("step", "return", "continue"):
         command.tool = True
@@ -58,6 +59,7 @@ def _verb_command(verb, said, value, alone):
 
 
 def _jog_command(words, axes):
+    """Return the Command of a jog; None if its words are wrong."""
     target = [0] * len(axes)
     if len(words) < 3 or len(words) % 2 == 0:
         return None

@@ -64,7 +64,7 @@ _SHUT = const(4)  # the same of a file that {load} or {stream} has begun: until 
 
 
 def frame(*words):
-    """The bytes of a control command."""
+    """Return the bytes of a control command."""
     return ("{" + " ".join([str(word) for word in words]) + "}").encode()
 
 
@@ -84,7 +84,7 @@ class Pulses:
         self._begin_file(0)
 
     def _begin_file(self, size, fresh=False):
-        """A new file, of `size` bytes where that is not 0."""
+        """Begin a new file, of `size` bytes (0: not known). `fresh`: no byte of it has come."""
         self._size = size
         self._fresh = fresh  # no byte of it has come
         self._count = 0  # bytes of it so far
@@ -100,7 +100,7 @@ class Pulses:
     # --- bytes to commands
 
     def feed(self, data, now_ms):
-        """Commands in `data`, which may be empty: time alone ends what was typed, and finds files cut off."""
+        """Return the commands in `data`, which may be empty: time alone ends what was typed, and finds files cut off."""
         found = []
         if data:
             self._latest = now_ms
@@ -124,6 +124,7 @@ class Pulses:
         return found
 
     def _after_silence(self, silent_ms, found):
+        """End what was typed, or a file that has been cut off, after a silence."""
         if self._frame is not None:
             self._frame = None
             found.append(Command(BAD, error=errors.NO_CONTROL))
@@ -136,7 +137,7 @@ class Pulses:
             self._fail_file(errors.CUT_OFF, found)  # the host may send, and does not
 
     def _read_codes(self, data, at, found):
-        """Bytes of a file, up to the next control command. Returns where it stopped."""
+        """Read bytes of a file, up to the next control command. Returns where it stopped."""
         if self._fresh:
             at = self._line_end(data, at)
         while at < len(data):
@@ -162,7 +163,7 @@ class Pulses:
 
     @micropython.native
     def _read_plain(self, data, at):
-        """Codes as far as nothing else comes, until a CREDIT is full. Returns where it stopped."""
+        """Read codes as far as nothing else comes, until a CREDIT is full. Returns where it stopped."""
         codes = CODES
         unknown = 7 & ~self._known
         items = self._items
@@ -189,7 +190,7 @@ class Pulses:
         return at
 
     def _line_end(self, data, at):
-        """The line end behind {load} is none of the file."""
+        """Skip the line end behind {load}, which is none of the file. Returns where the file begins."""
         while at < len(data) and self._fresh and data[at] in b"\r\n":
             self._fresh = data[at] == 13
             at += 1
@@ -197,7 +198,7 @@ class Pulses:
         return at
 
     def _read_other(self, byte, found):
-        """A byte that is no code, or stands behind a number."""
+        """Read a byte that is no code, or stands behind a number."""
         if self._sign:
             if 48 <= byte <= 57:
                 self._number = max(self._number, 0) * 10 + byte - 48
@@ -228,7 +229,7 @@ class Pulses:
         self._column += 1
 
     def _end_number(self, found):
-        """False if there is none."""
+        """End the number behind * or +, if there is a sign. Returns False if the number is missing."""
         if not self._sign:
             return True
         if self._number < 0:
@@ -253,12 +254,13 @@ class Pulses:
         found.append(command)
 
     def _open_typed(self, found):
+        """Open a step program for codes that were typed without {stream}."""
         if not self._open:
             self._open = True
             found.append(Command(STEP_PROGRAM_ADD, None, STEPS_OPEN, True))
 
     def _fail_file(self, error, found):
-        """The file makes no sense from here on."""
+        """Refuse the rest of the file, and have the program forgotten."""
         self._open_typed(found)
         self._drop_file()
         self._items = []
@@ -272,6 +274,7 @@ class Pulses:
         self._size = 0
 
     def _close_file(self, found):
+        """Close the file, if its last number and its length are right."""
         if not self._end_number(found):
             return
         if self._size and self._count != self._size:
@@ -288,6 +291,7 @@ class Pulses:
     # --- control commands
 
     def _read_control(self, data, at, found):
+        """Read a control command up to its brace. Returns where it stopped."""
         text = bytes(data[at:])
         end = text.find(b"}")
         if end < 0:
@@ -305,7 +309,7 @@ class Pulses:
         return at + end + 1
 
     def _control_command(self, words, found):
-        """The Command of a control command's words; None if it has been dealt with."""
+        """Return the Command of a control command's words; None if it has been dealt with."""
         verb = words[0] if words else ""
         if verb in ("load", "stream") and len(words) < 3:
             size = whole_number(words[1]) if len(words) == 2 else 0
@@ -325,6 +329,7 @@ class Pulses:
         return command
 
     def _open_file(self, stream, size, found):
+        """Return the command of {load} or {stream}; a file under way is cut off."""
         if self._open:
             self._fail_file(errors.CUT_OFF, found)
         self._begin_file(size, True)
@@ -335,6 +340,7 @@ class Pulses:
     # --- events to bytes
 
     def reply(self, event):
+        """Return the bytes that tell the host of `event`."""
         command = event.command
         said = self.words.event_bytes(event) if self.words else None
         if said is not None:
@@ -350,6 +356,7 @@ class Pulses:
         return b"ok\n"
 
     def _reply_to_file(self, event, command):
+        """Return the answer to a STEP_PROGRAM_ADD."""
         if event.kind == ACCEPTED:
             if command.value == STEPS_ITEMS:
                 return self._credit_bytes(command.power)
@@ -363,16 +370,17 @@ class Pulses:
         return b"" if silent else b"error:%d\n" % event.error
 
     def _credit_bytes(self, count):
+        """Return an ACK for each CREDIT of bytes that has been taken in, `count` more."""
         self._under_way -= count
         acks, self._credit = divmod(self._credit + count, CREDIT)
         return ACK * acks
 
     def is_amid(self, text):
-        """True if, behind `text`, a file or control command may have begun and not ended."""
+        """Return True if, behind `text`, a file or control command may have begun and not ended."""
         return bool(text.strip()) or self._mode != _TYPED or self._open or self._frame is not None or bool(self._items)
 
     def drop_begun(self):
-        """A control command that has come in part is not gone on with; nothing more comes of a file that was dropped."""
+        """Drop a control command that has come in part; a file that was dropped ends here."""
         self._frame = None
         self._mode = min(self._mode, _DROP)
 
@@ -386,7 +394,7 @@ class Pulses:
         return b"stopped\n" if event.kind == DROPPED and event.error == errors.STOPPED else b""
 
     def push_bytes(self, event):
-        """Return the bytes sent unasked."""
+        """Return the bytes that the board sends unasked."""
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
         if event.kind == NOTICE and self.words:

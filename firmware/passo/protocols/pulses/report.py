@@ -8,7 +8,7 @@ from passo.commands import STATUS_WORDS
 
 
 def port_byte(step, tool, drives, config):
-    """The image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `program`."""
+    """Return the image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `step_program`."""
     image = (0x80 if drives else 0) | (1 if tool else 0)
     for axis in range(3):
         if step >> axis & 1:
@@ -24,13 +24,11 @@ def port_byte(step, tool, drives, config):
 
 
 def status(report, config):
-    """The line that answers {?}: `<state:run at:34 of:100 pass:1/5 going:+ speed:1000.2 wait:0 place:1,2,3 …>`.
+    """Return the line that answers {?}: `<state:run at:34 of:100 pass:1/5 going:+ speed:1000.2 wait:0 place:1,2,3 …>`.
 
-    at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a
-    period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
-    directions those of the step being made; ask: 1 if the operator's speed is wanted; ours: 0 while another controller has the motors.
-    Behind these the words of commands.STATUS_WORDS.
-    """
+        at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a period make it; wait: ms to
+    go; place: steps; manual: units of manual moves; port: the port's image in hex, its directions those of the step being made; ask: 1 if the
+    operator's speed is wanted; ours: 0 while another controller has the motors. Behind these the words of commands.STATUS_WORDS."""
     program = report["step_program"]
     speed = program["speed"]
     fields = (
@@ -56,7 +54,7 @@ def status(report, config):
 
 
 def status_from(line):
-    """The fields of a status line as a dict of texts. Raises ValueError where it is none."""
+    """Return the fields of a status line as a dict of texts. Raises ValueError if it is none."""
     line = line.strip()
     if not (line.startswith("<state:") and line.endswith(">")):
         raise ValueError("not a status line")
@@ -68,5 +66,5 @@ def status_from(line):
 
 
 def log_lines(log):
-    """The lines that answer {log}, the oldest first: milliseconds, number, who; then ok."""
+    """Return the lines that answer {log}, the oldest first: milliseconds, number, who; then ok."""
     return "".join(["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in log.entries]) + "ok\n"

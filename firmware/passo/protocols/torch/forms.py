@@ -34,7 +34,7 @@ _OPEN = const(8)
 
 
 def parse_whole(text, least, most):
-    """The whole number of a text of ASCII digits, with a sign or not; None if it is none, or not within least … most."""
+    """Return the whole number of a text of ASCII digits, with a sign or not; None if it is none, or not within least … most."""
     digits = text[1:] if text[:1] in ("-", "+") else text
     if not digits or len(digits) > 10:
         return None
@@ -46,7 +46,7 @@ def parse_whole(text, least, most):
 
 
 def parse_form(body):
-    """{key: text} of `key=value&key=value`; None if a key occurs twice, or it is no such text."""
+    """Return {key: text} of `key=value&key=value`; None if a key occurs twice, or it is no such text."""
     found = {}
     for part in body.split("&") if body else ():
         key, equals, value = part.partition("=")
@@ -71,7 +71,7 @@ class Forms(Torch):
         self._open = []  # (command, number, JSON, path, fields) of requests without an answer
 
     def feed(self, data, now_ms):
-        """The commands of one request."""
+        """Return the commands of one request."""
         if len(data) < 2:
             return ()
         path, _, body = bytes(data[2:]).partition(b" ")
@@ -84,6 +84,7 @@ class Forms(Torch):
         return commands
 
     def _request_commands(self, path, body, flags):
+        """Return the commands of a request, the one that is answered last."""
         if path not in PATHS:
             return (Command(BAD, error=errors.UNKNOWN_COMMAND),)
         if not flags & REQUEST_PROVEN and path not in _FREE:
@@ -101,7 +102,7 @@ class Forms(Torch):
         return (Command(HAND_OVER), command) if path == b"/ON" else (command,)
 
     def _setting_command(self, body):
-        """The Command that sets and keeps a setting."""
+        """Return the Command that sets and keeps a setting."""
         try:
             found = parse_form(body.decode()) if len(body) <= _MOST_BODY else None
         except ValueError:
@@ -111,7 +112,7 @@ class Forms(Torch):
         return self.words.line_command("$%s=%s" % (found["number"], found["value"]))
 
     def _request_frame(self, path, body):
-        """The frame of a request with fields; None if one is missing, too many or out of its range."""
+        """Return the frame of a request with fields; None if one is missing, too many or out of its range."""
         if len(body) > _MOST_BODY:
             return None
         try:
@@ -134,7 +135,7 @@ class Forms(Torch):
     # --- answers
 
     def reply(self, event):
-        """The answer to the request that `event` is about; b"" if another event is."""
+        """Return the answer to the request that `event` is about; b"" if another event is."""
         command = event.command
         if event.kind == REFUSED:
             self.dropped = (self.dropped + 1) & 0x1FFFFFFF
@@ -148,6 +149,7 @@ class Forms(Torch):
         return b""
 
     def _answer_request(self, event, command, number, as_json, path, fields):
+        """Return a request's answer, behind its number."""
         if command.kind == STOP or command.kind == RUN and event.kind == ACCEPTED:
             self._ended = False
         if command.kind == STILL and event.kind == ACCEPTED:
@@ -167,20 +169,23 @@ class Forms(Torch):
         return bytes((number,)) + _answer_text(told, as_json).encode()
 
     def _position_fields(self, report):
+        """Return the fields of positions, in steps."""
         made, position = report["made"], report["position"]
         return [("x", made[0]), ("y", made[1]), ("px", position[0]), ("py", position[1])]
 
     def _more_fields(self, report):
+        """Return the fields that only INFO has."""
         x, y = self._machine.steps_per_m[:2]
         told = [("last", report["error"]), ("ours", 1 if report["ours"] else 0), ("spmx", x), ("spmy", y)]
         return told + [(word, report[key]) for key, word in STATUS_WORDS if report.get(key) is not None]
 
     def _code_of(self, path):
+        """Return the code of the frame that a path stands for, 0 if it has none."""
         name = _FRAMES[path][0] if path in _FRAMES else _NAMES.get(path)
         return CODES.get(name, 0)
 
     def _state_word(self):
-        """The document's words where it has one."""
+        """Return the document's word for the state, or Passo's own."""
         state = self._machine.state
         if state == "run" or state == "jog":
             return "running"
@@ -189,12 +194,13 @@ class Forms(Torch):
         return state
 
     def drop(self, event):
-        """A frame under way has been refused, and answered by that."""
+        """Note that no move ends as finished; a frame under way has been refused, and answered by that."""
         self._ended = False
         return b""
 
 
 def _answer_text(told, as_json):
+    """Return fields as `key=value&…`, or as JSON."""
     if not as_json:
         return "&".join(["%s=%s" % pair for pair in told])
     return "{%s}" % ", ".join(['"%s": %s' % (name, value if isinstance(value, int) else '"%s"' % value) for name, value in told])

@@ -43,7 +43,7 @@ class Cutter:
 
     @micropython.native
     def put_bytes(self, data, now_ms):
-        """Bytes, which may be none: time alone ends frames."""
+        """Take bytes, which may be none: time alone ends frames."""
         silent_ms = (now_ms - self._latest) & COUNT_MASK
         if not data:
             self._silent_ms = silent_ms
@@ -66,7 +66,7 @@ class Cutter:
 
     @micropython.native
     def next_frame(self):
-        """The next whole frame, b"" where bytes were dropped, or None."""
+        """Return the next whole frame; b"" if bytes were dropped; None if there is no more for now."""
         quiet = self._silent_ms >= self._gap_ms
         if self._broken:
             if not quiet:
@@ -101,7 +101,7 @@ class Cutter:
 
     @micropython.native
     def _whole_length(self, at):
-        """The length of the frame that begins at byte `at`; 0: not yet whole; −1: it is none."""
+        """Return the length of the frame that begins at byte `at`; 0: not yet whole; −1: it is none."""
         data = self._bytes
         if at == len(data):
             return 0

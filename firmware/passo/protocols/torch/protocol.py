@@ -75,7 +75,7 @@ _MASK = 0xFFFFFFFF
 
 
 def integers(*values):
-    """Four bytes each, high byte first; negative ones as two's complement."""
+    """Return four bytes each, high byte first; negative ones as two's complement."""
     return struct.pack(">%dI" % len(values), *[value & _MASK for value in values])
 
 
@@ -83,23 +83,23 @@ def integers(*values):
 
 
 def frame(name, body=b""):
-    """The frame of a name in CODES."""
+    """Return the frame of a name in CODES."""
     return bytes((CODES[name],)) + body + bytes((END,))
 
 
 def move(x_steps, x_speed, y_steps, y_speed):
-    """Counts 0 … 2³² − 1, speeds in steps/s with the direction as their sign."""
+    """Return the frame of a move: counts 0 … 2³² − 1, speeds in steps/s with the direction as their sign."""
     return frame("MOVE", integers(x_steps, x_speed, y_steps, y_speed))
 
 
 def configure(x_jog, y_jog, x_speed, y_speed):
-    """Steps of a jog and default speeds."""
+    """Return the frame of CONFIGURE: steps of a jog, and default speeds in steps/s."""
     return frame("CONFIGURE", integers(x_jog, y_jog, x_speed, y_speed))
 
 
 def weave(spec, x, y, speed_um_s, centre=(0, 0), clockwise=False):
-    """A seam to (x, y) steps from here, woven by a spec of options/weaving/motion.py, at `speed_um_s`; about `centre`, steps from here, if that
-    is not 0;0."""
+    """Return the frame of a seam to (x, y) steps from here, woven by a spec of options/weaving/motion.py, at `speed_um_s`; about `centre`, steps from
+    here, if that is not 0;0."""
     shape, amplitude, pitch, left, right, along = spec
     head = bytes((shape, along, 1 if clockwise else 0))
     return frame("WEAVE", head + integers(amplitude, pitch, left, right, x, y, centre[0], centre[1], speed_um_s))
@@ -114,21 +114,20 @@ def passo(what, value=0):
 
 
 def answer(name, x, y):
-    """STOP's or INFO's answer."""
+    """Return STOP's or INFO's answer."""
     return frame(name, integers(x, y))
 
 
 def status_bytes(report, error, dropped):
-    """PASSO STATUS's answer: `77` state error motors-are-ours X Y dropped `FF`; X and Y are signed positions."""
+    """Return PASSO STATUS's answer: `77` state error motors-are-ours X Y dropped `FF`; X and Y are signed positions."""
     position = report["position"]
     body = bytes((STATES.index(report["state"]), error, 1 if report["ours"] else 0))
     return frame("PASSO", body + integers(position[0], position[1], dropped))
 
 
 def log_bytes(entries, back):
-    """PASSO LOG's answer: `77 6C` number, how many entries are older, ms of the machine's clock, eight letters of its link or input, `FF`;
-    zeros if there is none.
-    """
+    """Return PASSO LOG's answer: `77 6C` number, how many entries are older, ms of the machine's clock, eight letters of its link or input, `FF`;
+    zeros if there is none."""
     at = len(entries) - 1 - back
     ms, number, who = entries[at] if at >= 0 else (0, 0, "")
     name = (who or "").encode()[:8]
@@ -136,7 +135,7 @@ def log_bytes(entries, back):
 
 
 def text_bytes(text):
-    """The frames of a text that answers a line."""
+    """Return the frames of a text that answers a line."""
     frames = b""
     for at in range(0, len(text), _TEXT):
         part = text[at : at + _TEXT]
@@ -145,7 +144,8 @@ def text_bytes(text):
 
 
 def answer_from(data):
-    """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO the fields of status_bytes(), TEXT a piece of the answer to a line."""
+    """Return (name, fields) of a whole answer: STOP and INFO have x and y, PASSO the fields of status_bytes(), TEXT a piece of the answer to a
+    line."""
     names = {code: name for name, code in CODES.items()}
     name = names[data[0]]
     if name == "PASSO" and data[1] == LINE_OF:
@@ -165,13 +165,13 @@ def answer_from(data):
 
 
 def _one_jog(data):
-    """The fields of the shorter CONFIGURE: its jog is of both axes."""
+    """Return the fields of the shorter CONFIGURE: its jog is of both axes."""
     jog, x_speed, y_speed = struct.unpack_from(">Iii", data, 1)
     return jog, jog, x_speed, y_speed
 
 
 def _seam_command(data):
-    """The Command of a WEAVE."""
+    """Return the Command of a WEAVE."""
     amplitude, pitch, left, right, x, y, to_x, to_y, speed = struct.unpack_from(">IIIIiiiiI", data, 4)
     if max(abs(x), abs(y), abs(to_x), abs(to_y)) >= FOREVER or not 0 < speed < 1_000_000:
         return Command(BAD, error=errors.TRAVEL)
@@ -185,7 +185,7 @@ def _seam_command(data):
 
 
 def answer_cutter(gap_ms=200):
-    """Cuts what a board says into whole answers."""
+    """Return a Cutter of a board's answers."""
     return Cutter(ANSWER_LENGTHS, gap_ms)
 
 
@@ -208,7 +208,7 @@ class Torch:
 
     @micropython.native
     def feed(self, data, now_ms):
-        """Commands in `data`, which may be empty: time alone ends frames."""
+        """Return the commands in `data`, which may be empty: time alone ends frames."""
         self._cutter.put_bytes(data, now_ms)
         commands = []
         while self._asked is None:
@@ -222,6 +222,7 @@ class Torch:
 
     @micropython.native
     def _frame_command(self, data):
+        """Return the Command of a frame; None if it asks for nothing."""
         if not data:
             return Command(BAD, error=errors.GARBLED)
         code = data[0]
@@ -238,6 +239,7 @@ class Torch:
         return self._simple_command(code)
 
     def _simple_command(self, code):
+        """Return the Command of a frame without a body."""
         if code == _STOP:
             return Command(STOP)
         if code == _INFO:
@@ -250,6 +252,7 @@ class Torch:
 
     @micropython.native
     def _move_command(self, data):
+        """Return the Run of a MOVE."""
         x, x_speed, y, y_speed = struct.unpack_from(">IiIi", data, 1)
         if x >= FOREVER or y >= FOREVER:
             return Command(BAD, error=errors.TRAVEL)
@@ -257,12 +260,14 @@ class Torch:
         return Run(steps, ((abs(x_speed), 1000), (abs(y_speed), 1000)), AT_REST)
 
     def _take_settings(self):
+        """Take jogs and their speeds from the settings, if these have changed."""
         if self._version != self._settings.version:
             self._version = self._settings.version
             self._jogs = tuple([self._settings.jog_steps(axis) for axis in range(_AXES)])
             self._speeds = tuple([self._settings.jog_steps_s(axis) for axis in range(_AXES)])
 
     def _jog_command(self, axis, sign, times=1):
+        """Return the Run of a jog, `times` jogs long."""
         self._take_settings()
         steps = [None, None]
         steps[axis] = sign * self._jogs[axis] * times or None
@@ -271,6 +276,7 @@ class Torch:
         return Run(steps, [(speed, 1000) for speed in self._speeds], AS_JOG)
 
     def _configure_command(self, data):
+        """Return the Command that keeps new jogs; its answer comes before the next frame is read."""
         x_jog, y_jog, x_speed, y_speed = struct.unpack_from(">IIii", data, 1) if len(data) == 18 else _one_jog(data)
         jogs = x_jog, y_jog
         if max(jogs) >= FOREVER:
@@ -280,6 +286,7 @@ class Torch:
         return self._asked
 
     def _passo_command(self, data):
+        """Return the Command of Passo's own frame."""
         what, value = data[1], data[2]
         if data[3] != what ^ value ^ _CHECK:
             return Command(BAD, error=errors.GARBLED)
@@ -302,7 +309,7 @@ class Torch:
         return Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def reply(self, event):
-        """The bytes that tell the host of `event`: none where the language has no word for it."""
+        """Return the bytes that tell the host of `event`; b"" if the language has no word for it."""
         command = event.command
         if event.kind == REFUSED:
             self.dropped = (self.dropped + 1) & 0x1FFFFFFF
@@ -323,16 +330,18 @@ class Torch:
         return b""
 
     def _keep_configured(self, jogs, speeds):
-        """They count to the step, whatever the settings have kept of them."""
+        """Let these jogs and speeds count, to the step, whatever the settings have kept of them."""
         self._jogs, self._speeds = jogs, speeds
         self._version = self._settings.version
 
     def _info_bytes(self, all, report):
+        """Return the answer to INFO, or with `all` to PASSO STATUS."""
         error = report["error"] or self._error
         self._error = 0 if all else error
         return status_bytes(report, error, self.dropped) if all else answer("INFO", *report["made"][:2])
 
     def _end_bytes(self, command, value):
+        """Return the bytes that tell of the end of a stop or a move."""
         if command.kind == STOP:
             return answer("STOP", *value["made"][:2])
         if command.kind == RUN and command.when == AT_REST and self._tell_end:
@@ -340,7 +349,7 @@ class Torch:
         return b""
 
     def push_bytes(self, event):
-        """The board says nothing else unasked."""
+        """Return b"": the board says nothing else unasked."""
         return b""
 
     def drop(self, event):
