@@ -56,7 +56,7 @@ class Guard:
 
     # The last edge on a pin comes 20 µs after the input's at worst, 25 are allowed (make bench ARGS=stops).
     @micropython.viper
-    def edge(self, pin):  # ISR: no allocation
+    def on_edge(self, pin):  # ISR: no allocation
         item = self._item
         mask = int(self._mask)
         inputs = ptr32(0xD0000004)
