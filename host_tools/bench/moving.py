@@ -44,7 +44,7 @@ def measure_stops():
 
 def _measure_stops(pin):
     random = Random(pin)
-    boot_rig().wire().feed(traffic.points(60), BAUD)
+    boot_rig().wire().feed(traffic.move_packets(60), BAUD)
     halting.set_out(boot_rig(), STOP_STEPS, STOP_HZ, 2000, COLLECT)
     return halting.try_halts(boot_rig(), pin, [random.uniform(0, 35_000) for _ in range(STOPS)])
 
@@ -61,7 +61,7 @@ def _in_hand():
     halting.set_out(boot_rig(), IN_HAND_STEPS, IN_HAND_HZ, 2000)
     found = []
     for _ in range(IN_HAND):
-        found.append(halting.in_hand(boot_rig(), halting.INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)]))
+        found.append(halting.try_in_hand(boot_rig(), halting.INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)]))
         boot_rig().pico.run(1234.5)
     return [one for one in found if one]
 

@@ -48,7 +48,7 @@ def measure_pulses():
 
 def _run_pulses(axes, hz):
     machine = boot_rig(axes=max(axes, 3))
-    machine.wire().feed(traffic.points(60), BAUD)
+    machine.wire().feed(traffic.move_packets(60), BAUD)
     run = machine.play(constant_lines(hz, axes), COLLECT)
     rises = [cycle for cycle, state in machine.step_edges[0] if state == 1]
     late = len(rises) // 4  # the set-up of a direction has been paid back by then

@@ -95,29 +95,29 @@ def check_size(document):
     """Raise TooMany if blocks in blocks, and arrays of them, are too many entities to draw."""
     counts = {}
 
-    def of_block(name, inside):
+    def count_block(name, inside):
         block = document.blocks.get(name)
         if block is None or name in inside:
             return 0  # ezdxf names a block that contains itself
         if name not in counts:
-            counts[name] = of_layout(block, (*inside, name))
+            counts[name] = count_layout(block, (*inside, name))
         return counts[name]
 
-    def of_layout(layout, inside=()):
+    def count_layout(layout, inside=()):
         total = 0
         for entity in layout:
             count = _weight_of(entity)
             if isinstance(entity, Insert):
-                count = max(1, entity.mcount) * (1 + of_block(entity.dxf.name, inside) + len(entity.attribs))
+                count = max(1, entity.mcount) * (1 + count_block(entity.dxf.name, inside) + len(entity.attribs))
             elif entity.dxf.hasattr("geometry"):
-                count += of_block(entity.dxf.geometry, inside)  # of a dimension
+                count += count_block(entity.dxf.geometry, inside)  # of a dimension
             if count > _MOST and entity.dxf.hasattr("name"):
                 raise TooMany(entity.dxf.name)
             total += count
         return total
 
     space = document.modelspace()
-    if of_layout(space) - sum(map(_weight_of, space)) > _MOST:
+    if count_layout(space) - sum(map(_weight_of, space)) > _MOST:
         raise TooMany(next(entity.dxf.name for entity in space if isinstance(entity, Insert)))
 
 

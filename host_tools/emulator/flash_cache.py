@@ -196,7 +196,7 @@ class FlashCache:
         bus, system = Bus(chip), self._system
         flash, ram = memoryview(chip.flash), memoryview(chip.sram)
 
-        def reading(name, width, code):
+        def make_read(name, width, code):
             stock = getattr(bus, name)
             flash_as, ram_as = flash.cast("B").cast(code), ram.cast("B").cast(code)
             ram_end, shift = _RAM + len(ram), width >> 1
@@ -215,7 +215,7 @@ class FlashCache:
 
             return read
 
-        def writing(name, width):
+        def make_write(name, width):
             stock = getattr(bus, name)
 
             def write(address, value):
@@ -227,10 +227,10 @@ class FlashCache:
 
         for width, code in ((1, "B"), (2, "H"), (4, "I")):
             name = f"read_uint{8 * width}"
-            setattr(chip, name, reading(name, width, code))
+            setattr(chip, name, make_read(name, width, code))
         for width in (2, 4):
             name = f"write_uint{8 * width}"
-            setattr(chip, name, writing(name, width))
+            setattr(chip, name, make_write(name, width))
 
 
 def default_miss_cycles():

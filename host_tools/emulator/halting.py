@@ -85,32 +85,32 @@ def amid_start(rig, pin, deltas, steps_s, before_us):
     """For each of `before_us`, the microseconds that `pin` is pressed before the first step would come: (that number,
     cycles from then to each step that comes all the same, position reported)."""
 
-    def first():
+    def first_step_cycle():
         set_out(rig, deltas, steps_s, 0)
         return min(cycle for log in rig.step_edges for cycle, _ in log)
 
-    def attempt(cycle):
+    def press_at(cycle):
         rig.pico.call_at(cycle, lambda: rig.pico.drive_pin(pin, 1))
         _start_line(rig, deltas, steps_s)
         rig.pico.run((cycle - rig.pico.cycle) / CYCLES_PER_US + 20_000)
         return [edge - cycle for log in rig.step_edges for edge, _ in log], _answer_of(rig, 500_000)
 
-    begins = on_a_copy(first)
+    begins = on_a_copy(first_step_cycle)
     for us in before_us:
-        yield us, *on_a_copy(lambda: attempt(begins - us * CYCLES_PER_US))
+        yield us, *on_a_copy(lambda: press_at(begins - us * CYCLES_PER_US))
 
 
-def in_hand(rig, pin, tries):
+def try_in_hand(rig, pin, tries):
     """A trial whose freeze falls between the player's `pull` and its `out`; None if none of the `tries` waits (µs) meets
     that cycle."""
 
-    def attempt(wait_us):
+    def freeze_after(wait_us):
         rig.pico.run(wait_us)
         _press_pin(rig, pin)
         return _in_hand(rig)
 
     for wait_us in tries:
-        if on_a_copy(lambda: attempt(wait_us)):
+        if on_a_copy(lambda: freeze_after(wait_us)):
             return on_a_copy(lambda: try_halt(rig, pin, wait_us))
     return None
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.rig import Rig, router_board, ticks_of
-from host_tools.emulator.traffic import points
+from host_tools.emulator.traffic import move_packets
 from host_tools.emulator.wire import BITS_A_BYTE
 from passo.protocols.plotter.host import PACKET
 
@@ -94,7 +94,7 @@ class Sender:
         console.expect(b"ready\r\n")
         if not self._wire:
             pico.usb.heard = self._take_answers
-        data = points(count)
+        data = move_packets(count)
         self._packets = [data[at : at + PACKET] for at in range(window * PACKET, len(data), PACKET)]
         self._wanted, begun = count, pico.cycle
         self._send_bytes(data[: window * PACKET])

@@ -7,7 +7,7 @@ not pause must avoid that, as real drawings do for the most part.
 from passo.protocols.plotter.host import COMMANDS, packet
 
 
-def points(count, seed=0):
+def move_packets(count, seed=0):
     """The bytes of `count` MOVE packets in which no byte repeats its neighbour."""
     data, number = b"", seed
     while count:

@@ -74,14 +74,14 @@ def _find_compiler(march, asked):
     if march == "x64" and platform.machine() not in ("x86_64", "AMD64"):
         return None
     if asked in (None, "gcc") and gcc and shutil.which(gcc[0]):
-        return "gcc", [*gcc, *GCC_ONLY.split()], OPTIONS, _version([gcc[0], "-dumpfullversion"])
+        return "gcc", [*gcc, *GCC_ONLY.split()], OPTIONS, _version_of([gcc[0], "-dumpfullversion"])
     if asked in (None, "zig") and march in ZIG and importlib.util.find_spec("ziglang"):
         command = [*interpreter.python(), "-m", "ziglang"]
-        return "zig", [*command, "cc", *ZIG[march].split(), *ZIG_ONLY.split()], ZIG_OPTIONS, _version([*command, "version"])
+        return "zig", [*command, "cc", *ZIG[march].split(), *ZIG_ONLY.split()], ZIG_OPTIONS, _version_of([*command, "version"])
     return None
 
 
-def _version(command):
+def _version_of(command):
     return subprocess.run(command, capture_output=True, text=True).stdout.strip()
 
 

@@ -19,7 +19,7 @@ def shift_functions(text, names):
 def functions_at(elf, base, offsets):
     """Names of the functions of an ELF whose code has any of these bytes, counted from `base`."""
     found = set()
-    for name, begin, length in _functions(elf):
+    for name, begin, length in _functions_of(elf):
         if any(begin - base <= offset < begin - base + length for offset in offsets):
             found.add(name)
     return found
@@ -34,7 +34,7 @@ def sections(elf):
     return [struct.unpack_from(form, elf, offset + size * each)[1:] for each in range(count)]
 
 
-def _functions(elf):
+def _functions_of(elf):
     """(name, address, length) of each function of an ELF of 32 bits."""
     found = sections(elf)
     for kind, _, _, offset, length, link in found:

@@ -158,7 +158,7 @@ class Contour:
         for at, against, far in gouges([piece for piece, _ in path], contour, self.radius):
             number = path[at][1]
             motion = entry or self._told[number]
-            if _above(motion, self._told[against]) or entry and _on_top(motion, self._told[against]):
+            if _is_above(motion, self._told[against]) or entry and _leads_down(motion, self._told[against]):
                 continue
             kept = self._remainder_under(motion)
             disputed = motion in (self._told[0], self._told[-1]) and kept.reaches_disputed(path[at][0], self.radius)
@@ -179,7 +179,7 @@ class Contour:
         heights = [height for height in motion.heights if height is not None]
         level = min(heights) if len(heights) == 2 else None
         if level not in self._kept:
-            self._kept[level] = UncutAreas([told.piece for told in self._told if not _above(motion, told)], self.side)
+            self._kept[level] = UncutAreas([told.piece for told in self._told if not _is_above(motion, told)], self.side)
         return self._kept[level]
 
     def put_way_out(self, begin, place, rapid, feed, source):
@@ -232,14 +232,14 @@ class Contour:
             self._path.put_line(self._target_of(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
 
 
-def _above(motion, told):
+def _is_above(motion, told):
     """True if the whole motion is above the contour's piece."""
     heights = [height for height in motion.heights if height is not None]
     below = [height for height in told.heights if height is not None]
     return len(heights) == len(below) == 2 and min(heights) > max(below) + SMALL
 
 
-def _on_top(motion, told):
+def _leads_down(motion, told):
     """True if the contour's piece leads down from the height of the motion or from below it."""
     heights = [height for height in (*motion.heights, *told.heights) if height is not None]
     return len(heights) == 4 and min(motion.heights) > max(told.heights) - SMALL and min(motion.heights) > min(told.heights) + SMALL

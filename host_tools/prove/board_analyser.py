@@ -63,7 +63,7 @@ class Analyser(Witness):
             mem32[pad_address(pin)] = mem32[pad_address(pin)] & ~0x100 | 0x40  # the input is on; an RP2350's pad holds nothing
         super().__init__(base, 8, samples, 4, recorder_program(trigger))
 
-    def prepare(self):
+    def prepare_program(self):
         """Y has the word as the program has what it sees: in the highest bits."""
         if self._trigger and self._trigger[0] == WORD:
             _word, value, width = self._trigger

@@ -139,9 +139,9 @@ def plotter_link(proof):
     board.expect(b"ready\r\n")
     waits = sorted(time_answer(proof, b"r\0\0\0\0r", b"k") for _again in range(ASKS))
     yield proof.judge("ask_ms", statistics.median(waits) * 1000)
-    from host_tools.emulator.traffic import points
+    from host_tools.emulator.traffic import move_packets
 
-    data = points(400)
+    data = move_packets(400)
     begun, sent, answered = board.now_s(), 0, 0
     while answered < 400 and board.now_s() - begun < 30:
         while sent < 400 and sent - answered < 32:

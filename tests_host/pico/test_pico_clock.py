@@ -10,7 +10,7 @@ from host_tools.emulator.halting import INPUTS
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.rig import router_board
 from host_tools.emulator.system_clock import Undervolted
-from host_tools.emulator.traffic import points
+from host_tools.emulator.traffic import move_packets
 
 COLLECT = "gc.collect()"
 BAUD = 115_200
@@ -48,7 +48,7 @@ def at_clock(rig, mhz, **changes):
 @MHZ
 def test_pulses_and_answers(rig, mhz, show):
     at_clock(rig, mhz)
-    rig.wire().feed(points(POINTS), BAUD)
+    rig.wire().feed(move_packets(POINTS), BAUD)
     run = rig.play(LINES, COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
     assert run.widths == {13 * CYCLES_PER_TICK}, "13 ticks, the least that last 1 µs"

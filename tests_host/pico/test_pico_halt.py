@@ -7,7 +7,7 @@ from emulated import rig, timer_rig, uf2  # noqa: F401
 
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
-from host_tools.emulator.halting import INPUTS, INTERRUPT_PIN, PLAYER_PIN, amid_start, in_hand, resume_line, set_out, try_halts
+from host_tools.emulator.halting import INPUTS, INTERRUPT_PIN, PLAYER_PIN, amid_start, try_in_hand, resume_line, set_out, try_halts
 from host_tools.emulator.rig import router_board, ticks_of
 from passo.ports.rp2.fields import PIO_FIELDS, PIO_STUCK
 
@@ -30,7 +30,7 @@ def test_stopped_at_any_moment_it_knows_where_it_is(rig, pin, most_us, show):
 
 def test_a_word_pulled_but_not_played_does_not_count(rig):
     set_out(rig, (8000, 6220, -5000), 400_000, 2000)
-    found = in_hand(rig, INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1500)])
+    found = try_in_hand(rig, INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1500)])
     assert found, "no freeze fell between pull and out"
     assert found[1] == found[2] and found[3]
 

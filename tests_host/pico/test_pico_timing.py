@@ -8,7 +8,7 @@ from emulated import rig, timer_rig, uf2  # noqa: F401
 
 from host_tools.emulator.halting import INTERRUPT_PIN, amid_start
 from host_tools.emulator.rig import Rig, router_board
-from host_tools.emulator.traffic import points
+from host_tools.emulator.traffic import move_packets
 from host_tools.sim.decoders import Pbl3770a
 from passo.options.drive_pbl3770a import drive as pbl3770a
 
@@ -40,7 +40,7 @@ def back_and_forth(rates, axes):
 @pytest.mark.xdist_group("rig")
 @pytest.mark.parametrize("axes, rates", [(1, ONE_AXIS_HZ), (3, THREE_AXES_HZ)])
 def test_every_interval_is_its_word(rig, axes, rates, show):
-    rig.wire().feed(points(POINTS), BAUD)
+    rig.wire().feed(move_packets(POINTS), BAUD)
     run = rig.play(back_and_forth(rates, axes), COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
     assert run.widths == {13 * 80 // CYCLE_NS}, "13 ticks, the least that last 1 µs"
@@ -61,7 +61,7 @@ def test_every_interval_is_its_word_with_the_flash_cache(rig, axes, hz, show):
     """From 10 kHz; each miss costs what it does on a Pico."""
     cache = rig.pico.charge_flash(FLASH_MISS)
     before = cache.misses
-    rig.wire().feed(points(POINTS), BAUD)
+    rig.wire().feed(move_packets(POINTS), BAUD)
     run = rig.play(back_and_forth((10_000, hz), axes), COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
     assert cache.misses - before > 1000 and run.position == rig.count_steps()
