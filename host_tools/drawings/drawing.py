@@ -63,16 +63,16 @@ class Drawing:
 
     @property
     def lines(self):
-        """Those of all parts."""
+        """The lines of all parts."""
         return [line for part in self.parts for line in part.lines]
 
     def objects(self, most):
-        """The drawing cut into objects of at most `most` points, each [(pen_down, x, y), ...] and begun by a MOVE. A part
-        begins a new one."""
+        """Cut the drawing into objects of at most `most` points, each [(pen_down, x, y), ...] in steps, with a MOVE first. Each part begins a new
+        object."""
         return [points for part in self.parts for points in _cut_objects(part.lines, most)]
 
     def part_starts(self, most):
-        """{index of an object: the Part that begins with it}, but of the first part."""
+        """Return {index of an object: the Part that begins with it}, without the first part."""
         first, found = 0, {}
         for part in self.parts:
             found[first] = part
@@ -81,14 +81,15 @@ class Drawing:
         return found
 
     def digest(self, most):
-        """64 hex digits that are equal if and only if the objects of points are."""
+        """Return 64 hex digits (SHA-256) that are equal if and only if the objects are equal."""
         return hashlib.sha256(json.dumps(self.objects(most)).encode()).hexdigest()
 
     def count_points(self):
+        """Return the number of points of all lines."""
         return sum(len(line) for line in self.lines)
 
     def lengths_mm(self):
-        """Lengths drawn and travelled with the pen up, from 0;0, in mm."""
+        """Return the lengths that the pen draws, and that it travels while it is up, from 0;0, in mm."""
         down = up = 0.0
         place = (0, 0)
         for line in self.lines:
@@ -102,6 +103,7 @@ class Drawing:
 
 
 def _cut_objects(lines, most):
+    """Cut lines into objects of at most `most` points; a line that is cut goes on from its last point."""
     cut = [[]]
     for line in lines:
         if len(cut[-1]) + len(line) > most and len(line) <= most:
@@ -151,13 +153,13 @@ def load(path, board, options=None, progress=None):
 
 
 def load_shapes(paths, board, options):
-    """The shapes of several drawings to nest: (shapes, (width, height) of the room for them). Raises Failure."""
+    """Load several drawings to nest; return (shapes, (width, height) of the room for them, in mm). Raises Failure."""
     found = [layout.shape_of(_place_file(path, board, options, lambda text, share: None, True)) for path in paths]
     return found, layout.room_mm(placement.table_mm(board), options)[1]
 
 
 def _place_file(path, board, options, progress, several):
-    """One file, positioned on the table; of several each by itself, at 0;0."""
+    """Read one file and position it on the table. If there are several files, each is positioned by itself, at 0;0."""
     file = sources.open_drawing(path)
     factor = options.scale or 1.0
     if options.place == "page" and options.fit and options.scale is None and not several:
@@ -188,7 +190,7 @@ def _place_file(path, board, options, progress, several):
 
 
 def _read_page(file, path, factor, options, progress):
-    """The page, cropped; curves as fine as `options.tolerance` after scaling by `factor`."""
+    """Read a page and crop it. Curves are flattened so that they are as fine as `options.tolerance` after scaling by `factor`. Raises Failure."""
     deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
     page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share), options.pens == "colours", bool(options.hatch), options.unseen)
     page.layers = {number: lines for number, lines in page.layers.items() if lines or page.fills.get(number)}
@@ -208,7 +210,7 @@ def _read_page(file, path, factor, options, progress):
 
 
 def _crop_lines(lines, size_px):
-    """The parts of lines on the page; lines outside by less than _EDGE_MM are moved onto its edge."""
+    """Return the parts of lines that lie on the page. Lines outside by less than _EDGE_MM are moved onto its edge."""
     edge, (width, height) = _EDGE_MM / MM_PER_PX, size_px
     if lines:
         left, top, right, bottom = placement.box_of([lines])
@@ -219,6 +221,7 @@ def _crop_lines(lines, size_px):
 
 
 def _total_length(layers):
+    """Return the sum of the lengths of all lines, in the unit of their points."""
     every = [line for lines in layers.values() for line in lines]
     if not every:
         return 0.0
@@ -229,7 +232,7 @@ def _total_length(layers):
 
 
 def _select_layers(page, path, options):
-    """The layers that are drawn."""
+    """Return {number: lines} of the layers that `options` choose. Raises Failure if one of them is not in the file."""
     if not options.layers:
         return page.layers
     unknown = sorted(set(options.layers) - set(page.layers))
@@ -270,8 +273,8 @@ def _notes_of(page, options):
 
 
 def _order_layers(layers, options, progress):
-    """(The lines of each layer, joined, thinned, and ordered for little pen-up travel from 0;0; the travel that the order of the file
-    would take, in mm)."""
+    """Join, thin and order the lines of each layer, for little travel with the pen up from 0;0. Returns (lines of each layer; the travel in the
+    order of the file, mm)."""
     ordered, pen = [], 0j
     before_mm, old = 0.0, 0j
     count, done = sum(map(len, layers)), 0
@@ -315,14 +318,14 @@ def _simplify_lines(lines, tolerance):
 
 
 def _repeat_line(line, times):
-    """A line gone along several times: a closed one round and round, any other there and back."""
+    """Return a line that is drawn several times: a closed line goes round again, an open one goes there and back."""
     closed = line[0] == line[-1]
     ways = [line if closed or index % 2 == 0 else line[::-1] for index in range(times)]
     return numpy.concatenate([ways[0], *(way[1:] for way in ways[1:])]) if times > 1 else line
 
 
 def _to_steps(lines, steps_per_mm, travel):
-    """Integer points without repeats. A line shorter than a step stays as a dot: the same point twice."""
+    """Round lines in mm to points in steps, without repeats. A line shorter than a step stays as a dot: the same point twice."""
     if not lines:
         return []
     points = numpy.concatenate(lines)

@@ -45,7 +45,7 @@ def is_dxf(first):
 
 
 def _unit_mm(header):
-    """(mm of the file's unit, [a sentence if it names none])."""
+    """Return (mm of the file's unit, [a sentence if the file names no unit])."""
     named = _MM.get(header.get("$INSUNITS", 0))
     if named:
         return named, []
@@ -55,7 +55,7 @@ def _unit_mm(header):
 
 
 def _read_document(path):
-    """ezdxf's document. Raises what ezdxf does."""
+    """Read a file as ezdxf's document. Raises Failure, and ezdxf's own errors."""
     import ezdxf
     from ezdxf import recover
     from ezdxf.lldxf.const import DXFError
@@ -117,7 +117,7 @@ class DxfFile:
 
     @staticmethod
     def _box_of(drawn):
-        """Left, bottom, right, top of all lines, in the file's units."""
+        """Return left, bottom, right, top of all lines, in the file's units."""
         places = numpy.concatenate([line for inks in drawn.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
         return places.real.min(), places.imag.min(), places.real.max(), places.imag.max()
 
@@ -125,7 +125,7 @@ class DxfFile:
         return tuple(max(_LEAST_PX, side * self._mm * _MM_PX) for side in (box[2] - box[0], box[3] - box[1]))
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
-        """The page, as large as the lines on it; chords are at most `deviation_px` from their curves."""
+        """Return the page, as large as the lines on it; chords are at most `deviation_px` from their curves."""
         from shapely.affinity import affine_transform
 
         scale = self._mm * _MM_PX

@@ -106,7 +106,7 @@ class Backend(Base):
             self.inks.setdefault(properties.layer, []).append(Ink(properties.color[:7], lines, list(areas)))
 
     def _add_area(self, lines, rule, properties):
-        """Closed `lines` and what they enclose; in the background's colour, as a wipeout is, they cover what was drawn before."""
+        """Add closed `lines` and the area that they enclose. In the background's colour (a wipeout) they cover everything drawn before."""
         if properties.color != self._background:
             self._add_ink(properties, lines, [svg_area.fill_area(lines, rule)] if self._fills and lines else ())
         elif lines:
@@ -116,7 +116,7 @@ class Backend(Base):
                 ink.areas = [shapely.difference(area, covered) for area in ink.areas]
 
     def _flatten_path(self, path):
-        """The lines of a path that may have several parts."""
+        """Return the polylines of a path, which may have several parts."""
         lines = []
         for part in path.to_path().sub_paths() if hasattr(path, "to_path") else path.sub_paths():
             line = numpy.array([complex(place.x, place.y) for place in part.flattening(self._deviation)])

@@ -21,6 +21,7 @@ class TooMany(ValueError):
 
 
 def mend_document(document):
+    """Change the entities that ezdxf would draw in another way than CAD programs do."""
     for entity in document.entitydb.values():
         if isinstance(entity, Insert) and not entity.dxf.zscale:
             entity.dxf.zscale = 1.0  # of a flat block: ezdxf would divide by it
@@ -43,7 +44,8 @@ def _clamp_spline(spline):
 
 
 def clamp_knots(points, knots, weights, degree):
-    """(points, knots, weights) of the same curve with knots that begin and end with it, or None if they already do, or are no knots."""
+    """Return (points, knots, weights) of the same curve whose knots begin and end with its domain (The NURBS Book, A5.1); None if they do already,
+    or are no knots."""
     points, knots = [tuple(each) for each in points], numpy.array(knots, dtype=float)
     count = len(points)
     if degree < 1 or count <= degree or len(knots) != count + degree + 1 or len(weights) not in (0, count):
@@ -70,7 +72,7 @@ def clamp_knots(points, knots, weights, degree):
 
 
 def _with_knot(rows, knots, knot, side, degree):
-    """One more knot, on that side of its equals, and a row more, for the same curve."""
+    """Insert one more knot, on that side of its equals, and a row more, without a change of the curve (Boehm, 1980)."""
     at = int(numpy.searchsorted(knots, knot, side)) - 1
     changed = []
     for index in range(at - degree + 1, at + 1):
@@ -122,7 +124,7 @@ def check_size(document):
 
 
 def _weight_of(entity):
-    """How many simple entities take as long."""
+    """Return as how many simple entities this one counts, by the time that it takes."""
     if entity.dxftype() in ("TEXT", "MTEXT", "ATTRIB"):
         return 1 + len(entity.dxf.get("text", "")) // _LETTERS
     return 1 + (len(entity) if hasattr(entity, "__len__") else 0) // _VERTICES

@@ -15,6 +15,7 @@ _BODY = (b"210", b"70", b"71")  # codes that a spline's own data begin with
 
 
 def repair_tags(data):
+    """Return the bytes of a text DXF in a form that ezdxf.recover reads; None if there are no tags, or a header is there."""
     lines = [line.strip() for line in data.splitlines()]
     tags = [tag for tag in zip(lines[::2], lines[1::2]) if tag[0] != b"999"]
     if not tags or (b"2", b"HEADER") in tags:

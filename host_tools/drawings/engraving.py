@@ -90,7 +90,7 @@ class Machine:
 
     @classmethod
     def of_board(cls, board, name):
-        """From a board file's dict. Raises Failure if it is no laser's."""
+        """Make a Machine of a board file's dict. Raises Failure if it is no laser's."""
         spindle = board.get("spindle") or {}
         if not spindle.get("laser"):
             raise Failure("{} is no laser: passo engrave wants a board file with \"laser\": True, as laser_xy has", name)
@@ -98,26 +98,26 @@ class Machine:
 
     @classmethod
     def of_settings(cls, answer):
-        """From the answer to $$. Raises Failure if it is not in laser mode."""
+        """Make a Machine of the answer to $$. Raises Failure if the machine is not in laser mode ($32=1)."""
         found = settings_of(answer)
         if not found.get(32):
             raise Failure("set $32=1: without laser mode the machine stands at each dot with the beam on")
         return cls(Limits.of_settings(answer), found[30])
 
     def takes_rows(self, answer, packed=False):
-        """True if the answer to $I says so: then `cluster` is how many dots a line may have."""
+        """True if the answer to $I says that rows of dots are accepted. Sets `cluster` to the dots that a line may have."""
         found = re.search(rf"\[{'PACKED' if packed else 'CLUSTER'}:(\d+)\]", "\n".join(answer))
         self.cluster, self.packed = int(found[1]) if found else 0, packed
         return self.cluster > 0
 
     @property
     def speed(self):
-        """Of X, along the rows: mm/min."""
+        """The highest speed of X, along the rows, in mm/min."""
         return self.limits.speeds[0] * 60
 
     @property
     def acceleration(self):
-        """Of X: mm/s²."""
+        """The acceleration of X, in mm/s²."""
         return self.limits.accelerations[0]
 
 
@@ -150,7 +150,7 @@ class Row:
 
 
 def open_picture(path):
-    """The picture in grey, transparent parts white, turned as its camera says. Raises Failure."""
+    """Open a picture in grey, transparent parts white, turned as its camera says. Raises Failure."""
     try:
         with Image.open(path) as picture:
             _check_pixels(picture, path)
@@ -172,13 +172,13 @@ def open_picture(path):
 
 
 def _row_bands(picture):
-    """Boxes of rows, from above: a copy of the whole in another mode takes as much memory as the picture."""
+    """Yield boxes of rows, from above. Work goes band by band, because a copy of the whole in another mode takes as much memory as the picture."""
     for top in range(0, picture.height, _BAND):
         yield 0, top, picture.width, min(top + _BAND, picture.height)
 
 
 def _of_numbers(picture):
-    """Grey of a picture of larger numbers, from its least to its largest."""
+    """Return a grey picture of one whose values have more than 8 bits, scaled from its least to its largest value."""
     low, high = picture.getextrema()
     grey = Image.new("L", picture.size)
     for part in _row_bands(picture):
@@ -198,7 +198,7 @@ def _check_pixels(picture, path):
 
 
 def size_of(picture, options):
-    """Dots across and up. Raises Failure."""
+    """Return (dots across, dots up). Raises Failure if the size is missing, or there are too many dots."""
     across, up = picture.size
     if options.width_mm is None and options.height_mm is None:
         raise Failure("how large? give --width or --height in mm")
@@ -215,7 +215,7 @@ def size_of(picture, options):
 
 
 def powers_of(picture, options, progress=None):
-    """Power of each dot, 0 to 1 of the laser's full power, as an array of rows, the lowest first. Raises Failure."""
+    """Return the power of each dot, 0 to 1 of the laser's full power, as an array of rows, the lowest first. Raises Failure."""
     small = picture.resize(size_of(picture, options), Image.Resampling.LANCZOS)
     light = np.asarray(small, np.float64)[::-1] / 255
     if options.white <= options.black:
@@ -234,7 +234,7 @@ def powers_of(picture, options, progress=None):
 
 
 def powers_of_darkness(dark, options):
-    """Darkness 0 to 1 as power: by the curve of a test card if there is one. White stays dark."""
+    """Turn darkness, 0 to 1, into power, 0 to 1, by the curve of a test card if there is one. White stays dark."""
     wanted = dark
     if options.curve:
         powers, found = (np.array(column) for column in zip(*sorted(options.curve)))
@@ -244,8 +244,8 @@ def powers_of_darkness(dark, options):
 
 
 def diffuse_dots(dark, parts, shares, progress=None):
-    """Dots, 1 or 0, whose mean is that of `dark` everywhere: each dot's error goes to those that follow. Rows in turn from the left and
-    from the right, so that no pattern leans."""
+    """Turn `dark`, 0 to 1, into dots, 1 or 0, of the same mean: each dot's error goes to its neighbours that follow (error diffusion). Rows run from
+    the left and from the right in turn, so that no pattern leans."""
     height, width = dark.shape
     room, below = max(abs(dx) for dx, _, _ in shares), max(dy for _, dy, _ in shares)
     pitch = width + 2 * room
@@ -264,14 +264,14 @@ def diffuse_dots(dark, parts, shares, progress=None):
 
 
 def overscan_length(options, machine):
-    """mm before and behind a row, in which the head speeds up and slows down: v² / 2a, and a tenth."""
+    """Return the mm before and behind a row in which the head speeds up and slows down: v² / 2a, and a tenth more."""
     if options.overscan_mm is not None:
         return options.overscan_mm
     return 1.1 * (options.speed / 60) ** 2 / (2 * machine.acceleration)
 
 
 def rows_of(powers, options):
-    """The rows that burn, from below, with runs of equal power. Rows in turn to the right and to the left, unless `one_way`."""
+    """Return the Rows that burn, from below, with runs of equal power. They run to the right and to the left in turn, unless `one_way`."""
     pitch = 1 / options.dots_mm
     left, bottom = options.origin
     rows = []
@@ -291,7 +291,7 @@ def rows_of(powers, options):
 
 
 def bounds_mm(rows, options, machine):
-    """Left, bottom, right, top that the head reaches, overscan included. Raises Failure if nothing burns."""
+    """Return left, bottom, right, top that the head reaches, overscan included, in mm. Raises Failure if nothing burns."""
     if not rows:
         raise Failure("nothing burns: the picture is white by --white, --threshold or --invert")
     over = overscan_length(options, machine)
@@ -300,7 +300,7 @@ def bounds_mm(rows, options, machine):
 
 
 def gcode_lines(rows, options, machine):
-    """Lines of G-code, as text. S0 in all that is no dot: the laser is dark in ramps, turns and at the end."""
+    """Yield the lines of G-code, as text. S0 stands before all motion between dots: the laser is dark in ramps, turns and at the end."""
     left, bottom, right, top = bounds_mm(rows, options, machine)
     yield "G21 G90 G17 G94"
     yield "M5 S0"
@@ -328,7 +328,7 @@ def gcode_lines(rows, options, machine):
 
 
 def row_lines(row, options, machine):
-    """The lines of one row."""
+    """Yield the lines of G-code of one row."""
     over = overscan_length(options, machine) * (-1 if row.backward else 1)
     yield f"G0X{number(row.begin - over)}Y{number(row.y)}"
     yield f"G1X{number(row.begin)}S0"
@@ -361,7 +361,7 @@ def row_lines(row, options, machine):
 
 
 def powers_s(rows, options, machine):
-    """(powers a second that the densest row wants, those that a link brings)."""
+    """Return (powers a second that the densest row needs, powers a second that a link carries)."""
     def count_numbers(row):
         dots = abs(np.diff(row.cuts))
         return int(np.where(dots <= machine.cluster, dots, 1).sum())
@@ -381,13 +381,13 @@ def is_rapid(length, options, machine):
 
 
 def pack_power(power):
-    """A power, 0 to 1 of full power, as a packed row has it."""
+    """Return the two letters of a power, 0 to 1 of full power, in a packed row."""
     value = min(1000, max(round(1000 * power), 1 if power else 0))
     return chr(64 + (value >> 5)) + chr(64 + (value & 31))
 
 
 def power_word(power, machine):
-    """The S of a power, 0 to 1 of full power: whole numbers, unless full power is a small one."""
+    """Return the number behind S for a power, 0 to 1 of full power: whole, unless full power is below 100."""
     value = min(power, 1.0) * machine.full
     return str(round(value)) if machine.full >= 100 else number(value)
 
@@ -396,7 +396,7 @@ def power_word(power, machine):
 
 
 def draw_card(options):
-    """A picture of patches of 0 to 100 % of the power, with their figures: (picture, options for it). The frame is the card's edge."""
+    """Draw a test card: patches of 0 to 100 % of the power, with their figures. Returns (picture, options for it). The frame is the card's edge."""
     width = options.width_mm or 90.0
     options.width_mm, options.height_mm = width, width / CARD_PATCHES * 2
     options.shade, options.greys, options.curve, options.invert = "grey", 100, (), False
@@ -416,8 +416,8 @@ def draw_card(options):
 
 
 def read_curve(path):
-    """(power, darkness) of each patch, 0 to 1: from a text of `POWER DARKNESS` in % a line, or from a picture of a burnt card that is cut
-    to the card's frame. Raises Failure."""
+    """Return (power, darkness) of each patch, 0 to 1: from a text of `POWER DARKNESS` in % a line, or from a picture of a burnt card, cut to the
+    card's frame. Raises Failure."""
     if str(path).lower().endswith((".txt", ".csv")):
         return _read_curve(path)
     picture = open_picture(path)

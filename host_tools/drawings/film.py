@@ -33,7 +33,7 @@ class Moves:
 
 
 def load_moves(path):
-    """The Moves of a trace CSV. Raises Failure with the line that is wrong."""
+    """Read a trace CSV as Moves. Raises Failure with the line that is wrong."""
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
             if file.readline().strip() != HEADER:
@@ -50,7 +50,7 @@ def load_moves(path):
 
 
 def _first_wrong_line(path):
-    """The first line that is no row."""
+    """Return the name of the first line that is no row of a trace."""
     with open(path, newline="", encoding="utf-8", errors="replace") as file:
         reader = csv.reader(file)
         next(reader, None)
@@ -64,7 +64,8 @@ def _first_wrong_line(path):
 
 
 def frame_times(moves, seconds, speed, per_second):
-    """The moment of each frame in seconds of the trace. `seconds`: how long the film is; or `speed` times as fast as it was."""
+    """Return the moment of each frame, in seconds of the trace. The film lasts `seconds`, or runs `speed` times as fast as the machine. Raises
+    Failure if it has too many frames."""
     first = float(moves.seconds[1])  # the first row is the state before
     span = float(moves.seconds[-1]) - first
     length = span / speed if speed else seconds
@@ -95,7 +96,7 @@ class Painter:
         self._draw_line(0, len(at) - 1, _AHEAD, 1)
 
     def _draw_line(self, begin, end, color, width):
-        """From row to row; places nearer than half a pixel are left out."""
+        """Draw from row to row; positions nearer than half a pixel are left out."""
         points = self._at[begin : end + 1]
         if len(points) > 2:
             pixels = np.round(points * 2).astype(np.int64)
@@ -105,7 +106,7 @@ class Painter:
         self._pen.line([tuple(point) for point in points.tolist()], fill=color, width=width, joint="curve")
 
     def draw_frame(self, second):
-        """The picture at that moment of the trace. Moments have to grow."""
+        """Draw up to a moment of the trace and return the picture. Each moment is later than the one before."""
         from PIL import ImageDraw
 
         rows = self._moves
@@ -161,7 +162,7 @@ def write(path, moves, scale, seconds=20.0, speed=None, per_second=20, progress=
 
 
 def _write_gif(path, frames, per_second):
-    """All frames share a palette of the film's few colours and what lies between them."""
+    """Write a GIF whose frames share one palette: the film's few colours, and the mixtures of two of them."""
     from PIL import Image
 
     colors = [_rgb_of(color) for color in _COLORS]

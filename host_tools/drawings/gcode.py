@@ -32,7 +32,7 @@ class Cut:
     dwell: float = 0.0  # seconds that the tool takes to go down or up
 
     def with_values(self, text):
-        """The same with "feed=600,power=300". Raises Failure."""
+        """Return a Cut with the values of a text, "feed=600,power=300". Raises Failure."""
         kinds = {each.name: each.type for each in fields(Cut) if each.name != "tool"}
         values = {}
         for part in text.split(","):
@@ -44,7 +44,7 @@ class Cut:
         return replace(self, **values).validate()
 
     def validate(self):
-        """The same. Raises Failure if a figure cannot be."""
+        """Return this Cut. Raises Failure if a figure is out of range."""
         for name, least in (("feed", 1e-3), ("plunge", 1e-3), ("power", 0), ("depth", 0), ("passes", 1), ("lift", 0), ("dwell", 0)):
             if not least <= getattr(self, name) <= 1e6:
                 raise Failure("{}: {:g} cannot be", name, getattr(self, name))
@@ -54,7 +54,7 @@ class Cut:
 
 
 def usual_cut(board, tool=None):
-    """The Cut of a board file with a tool of TOOLS; None: its laser, its Z axis, or else the tool's output."""
+    """Return the usual Cut of a board file with a tool of TOOLS. `tool` None: its laser, its Z axis, or else the tool's output."""
     spindle = board.get("spindle") or {}
     height = any(axis["name"] == "z" for axis in board["axes"])
     tool = tool or ("laser" if spindle.get("laser") else "z" if height else "m3")
@@ -77,7 +77,7 @@ class _Writer:
         self.lines.append(line)
 
     def _set_tool(self, line):
-        """The tool's state, if it is another one. True if it was."""
+        """Append the line that sets the tool's state, if it is another one. Returns True if it was appended."""
         fresh = line != self._tool
         if fresh:
             self._tool = line
@@ -85,28 +85,28 @@ class _Writer:
         return fresh
 
     def forget_tool(self):
-        """Another tool follows: repeat its state and feed."""
+        """Repeat state and feed before the next line, because another tool follows."""
         self._tool = self._feed = None
 
     def position_words(self, place):
         return " ".join(f"{axis}{number(steps / per_mm)}" for axis, steps, per_mm in zip("XY", place, self._steps_per_mm))
 
     def feed(self, value):
-        """The word of a speed, if it is another one."""
+        """Return the word of a speed, mm/min, or "" if it is in force already."""
         if value == self._feed:
             return ""
         self._feed = value
         return f" F{number(value)}"
 
     def lift_tool(self, cut):
-        """The tool is up, or dark, and a spindle goes on."""
+        """Lift or darken the tool. A spindle goes on."""
         if cut.tool == "z":
             self._set_tool(f"G0 Z{number(cut.lift)}")
         elif cut.tool == "m3":
             self._switch_tool("M5", cut)
 
     def begin(self, cut):
-        """The tool is ready for lines."""
+        """Make the tool ready for lines: switch on the laser or the spindle, at rest."""
         self.lift_tool(cut)
         if cut.tool == "laser":
             self._set_tool(f"M4 S{number(cut.power)}")
@@ -114,7 +114,7 @@ class _Writer:
             self.add_line(f"M3 S{number(cut.power)}")
 
     def stop(self, cut):
-        """The tool is up, dark, and a spindle stands."""
+        """Lift or darken the tool, and stop a spindle."""
         self.lift_tool(cut)
         if cut.tool == "laser" or cut.tool == "z" and cut.power:
             self.add_line("M5")
@@ -138,8 +138,8 @@ class _Writer:
 
 
 def lines_of(plan, cuts, change=None):
-    """The G-code of a drawing. `cuts`: {number of a part: Cut}; `change`: lines between two parts, {} in them is the number of
-    the next; None: none, the tool draws on."""
+    """Return the lines of G-code of a drawing. `cuts`: {number of a part: Cut}; `change`: lines between two parts, in which {} becomes the number of
+    the next part; None: no change."""
     writer = _Writer(plan.steps_per_mm)
     writer.add_line("G21 G90 G94 G17")
     for index, part in enumerate(plan.parts):
@@ -166,8 +166,8 @@ def lines_of(plan, cuts, change=None):
 
 
 def pens_at(lines, plan):
-    """{number of a line of lines_of(), from 1: the Part whose pen it wants}: from the lines behind the last motion before a change, at one of
-    which the machine waits, to the change's first line."""
+    """Return {number of a line of lines_of(), from 1: the Part whose pen it needs} for the lines from the last motion before a change to its first
+    line; the machine waits at one of them."""
     parts = {f"({_PEN} {part.number})": part for part in plan.parts}
     found = {}
     for index, line in enumerate(lines, 1):

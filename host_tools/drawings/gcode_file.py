@@ -54,7 +54,7 @@ class GcodeFile:
         self.size_px = tuple(max(_LEAST_PX, float(side) * _MM_PX) for side in size)
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
-        """The page. Arcs are as fine as the compiler makes them, 0.01 mm."""
+        """Return the page. Arcs are as fine as the compiler makes them, 0.01 mm."""
         page = Page(self.size_px, by_colour=by_colour)
         for tool, lines in sorted(self._lines.items()):
             page.add_inks(max(1, tool), None, [Ink(f"T{tool}", [(line - self._corner).conjugate() * _MM_PX for line in lines])])
@@ -62,7 +62,7 @@ class GcodeFile:
 
 
 def _find_strokes(listing):
-    """(rapid, tool, power, points) of each motion."""
+    """Yield (rapid, tool, power, points in mm) of each motion of a listing."""
     strokes = iter(listing.strokes)
     tool, power, on = 1, 0.0, False
     stated = None

@@ -23,7 +23,7 @@ class Rule(NamedTuple):
 
 
 def parse_rules(texts):
-    """{layer, or 0 for all others: Rule} of texts as --hatch has them. Raises Failure."""
+    """Return {layer, or 0 for all others: Rule} of the texts behind --hatch. Raises Failure."""
     rules = {}
     for text in texts or ():
         layer, colon, rest = text.partition(":") if ":" in text else ("0", ":", text)
@@ -39,7 +39,7 @@ def parse_rules(texts):
 
 
 def hatch_lines(areas, rule):
-    """The lines of a Rule in areas, shapely geometries in mm, which may lie on each other."""
+    """Return the lines of a Rule in areas, shapely geometries in mm, which may lie on each other."""
     whole = shapely.unary_union([area.buffer(0) for area in areas])
     lines = []
     for angle in (rule.angle, rule.angle + 90)[: 1 + rule.crossed]:

@@ -79,7 +79,7 @@ class HpglFile:
         return places
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
-        """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
+        """Return the page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
         pen = self._straight or self._draw_pens(deviation_px / UNIT_PX)
         self._fit_page(pen)
         page = Page(self.size_px, by_colour=by_colour)
@@ -120,7 +120,7 @@ class HpglFile:
         return pen
 
     def _parse_text(self, text):
-        """(instruction, numbers, or the text of a label)."""
+        """Yield (instruction, its numbers, or the text of a label)."""
         text = _ESCAPE.sub("", text)
         at, end_of_label, drawn_end, buffered, symbols = 0, "\x03", "", "", SymbolSets()
         while True:

@@ -7,7 +7,8 @@ _LARGEST_SHIFT = 64
 
 
 def decode_moves(text):
-    """[(down, absolute, x, y) or the number of a pen]. The rest behind a number too large, or behind a pair cut off, is left out."""
+    """Return [(down, absolute, x, y), or the number of a pen] of a PE instruction. The rest is left out behind a number too large, or behind a pair
+    cut off."""
     found, pair, flags, base, bits, waits = [], [], set(), 64, 0, ""
     value = shift = 0
     for letter in text:

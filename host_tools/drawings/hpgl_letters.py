@@ -11,10 +11,10 @@ _CM = 400.0  # in plotter units
 
 
 class Letters:
-    """`place`, where the pen is, is the pen's own before a label, and the letters' behind it."""
+    """Draws labels. `place`, the pen's position, is an argument and a result: the letters move it."""
 
     def __init__(self, sheet, ink):
-        """`ink(lines)` draws."""
+        """`ink(lines)` is called with the lines to draw."""
         self._sheet, self._ink = sheet, ink
         self._size = None  # of a letter, relative to P1 and P2
         self._letter = 0.19 * _CM, 0.27 * _CM
@@ -60,7 +60,7 @@ class Letters:
         return place
 
     def draw_symbol(self, place):
-        """The symbol of SM, its middle on the pen's place, also of low and slanted letters."""
+        """Draw the symbol of SM with its middle on the pen's position, also the symbols of low and slanted letters."""
         width, height = self._size_of_letters()
         heights = numpy.concatenate(stroke_font.letter_strokes(self.symbol) or [numpy.zeros(1, complex)]).imag
         middle = height * (heights.min() + heights.max()) / 2
@@ -76,7 +76,7 @@ class Letters:
             self._ink([at + self._along * (shift + x + 1j * stroke.imag * height)])
 
     def _cell_size(self):
-        """How far on the next letter is, and how far down the next line."""
+        """Return (distance to the next letter, distance to the next line), in plotter units."""
         width, height = self._size_of_letters()
         return 1.5 * width * (1 + self._space[0]), 2 * height * (1 + self._space[1])
 
@@ -95,7 +95,7 @@ class Letters:
         self._size = tuple(given[:2]) if len(given) > 1 else (0.75, 1.5)
 
     def set_relative_direction(self, given):
-        """DR: in per cent of the way from P1 to P2."""
+        """DR: set the direction, in per cent of the way from P1 to P2."""
         span = self._sheet.span
         self.set_direction([given[0] * span.real, given[1] * span.imag] if len(given) > 1 else [span.real, 0.0])
 
@@ -118,7 +118,7 @@ class Letters:
 
 
 def _cells_of(line):
-    """([(letter, its cell)] of a line with backspaces, the cell behind them)."""
+    """Return ([(letter, its cell)] of a line with backspaces, the cell behind them)."""
     found, cell = [], 0
     for each in line:
         if each == "\b":

@@ -22,11 +22,11 @@ _MOST_IN_ALL = 1_000_000
 
 
 class TooMany(ValueError):
-    """Chords of all arcs."""
+    """The chords of all arcs are too many."""
 
 
 def _of_sheet(set_up):
-    """An instruction that says where later ones lie."""
+    """Return a handler of an instruction that sets up the sheet."""
 
     def set_up_sheet(pen, given):
         pen._lift_pen()
@@ -64,7 +64,7 @@ class Pen:
         self.WORDS[name](self, given)
 
     def finish_line(self):
-        """Itself, the last line ended."""
+        """End the line under way, and return the pen itself."""
         self._lift_pen()
         return self
 
@@ -129,7 +129,7 @@ class Pen:
         self._number = int(given[0]) if given else 0
 
     def _draw_encoded(self, moves):
-        """PE: down unless a move says otherwise, and as it was before, behind it."""
+        """PE: draw with the pen down unless a move says otherwise. Behind it the pen is as it was before."""
         absolute, down = self._absolute, self._down
         for move in moves:
             if isinstance(move, int):
@@ -156,8 +156,8 @@ class Pen:
     # --- curves
 
     def _arc_positions(self, centre, start, degrees, chord=None, factors=None):
-        """Places behind `start` on an arc around `centre`; `chord`: degrees that the file asks for. It is round in the file's own units:
-        an ellipse, if a scale differs by axis."""
+        """Return the positions behind `start` on an arc around `centre`; `chord`: degrees that the file asks for. The arc is round in the file's
+        units, and an ellipse if the scale differs by axis."""
         self.curved = True
         factors = factors or self.sheet.factors
         way = complex((start - centre).real / factors[0], (start - centre).imag / factors[1])
@@ -174,7 +174,7 @@ class Pen:
         return list(centre + turned.real * factors[0] + 1j * turned.imag * factors[1])
 
     def _offset_from_centre(self, radius, degrees=0.0):
-        """A way from a centre."""
+        """Return the vector from a centre to a point at this radius and angle, in plotter units."""
         way = radius * cmath.exp(1j * math.radians(degrees))
         return self.sheet.to_plotter_units(way.real, way.imag, True)
 
@@ -209,7 +209,7 @@ class Pen:
             self._move_to(place)
 
     def _draw_bezier(self, given, relative):
-        """BZ and BR: three places a curve; BR's are measured from the curve's begin."""
+        """BZ and BR: draw Bézier curves of three positions each. BR measures them from the curve's begin."""
         self.curved = True
         for at in range(0, len(given) - 5, 6):
             a = self._place
@@ -259,7 +259,7 @@ class Pen:
                 self._polygon, (self._place, self._down) = None, self._begun
 
     def _draw_polygon(self, given, filled):
-        """The polygon that was defined; of its edges those that were gone with the pen down."""
+        """Draw the polygon that was defined: its area if `filled`, and those edges along which the pen was down."""
         self._lift_pen()
         lines = []
         for ring in self._rings:

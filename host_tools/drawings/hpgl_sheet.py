@@ -20,26 +20,26 @@ class Sheet:
         self.initialize()
 
     def initialize(self):
-        """As after IN."""
+        """IN: reset P1 and P2, the rotation, and everything that DF resets."""
         self._ends, self._turn = (0j, _P2), 0
         self.reset()
 
     def reset(self):
-        """As after DF: no scale, no window."""
+        """DF: no scale, no window."""
         self._user = self._scale = self._window = None
 
     @property
     def span(self):
-        """From P1 to P2."""
+        """The vector from P1 to P2, in plotter units."""
         return self._ends[1] - self._ends[0]
 
     @property
     def factors(self):
-        """Plotter units of a unit of the file, across and up."""
+        """The plotter units of one unit of the file, across and up."""
         return self._scale[1:] if self._scale else (1.0, 1.0)
 
     def to_plotter_units(self, x, y, relative=False):
-        """A pair of the file's numbers in plotter units; `relative`: a distance."""
+        """Return a pair of the file's numbers in plotter units; `relative`: they are a distance."""
         place = complex(x, y)
         if self._scale:
             origin, across, up = self._scale
@@ -47,7 +47,7 @@ class Sheet:
         return place
 
     def cut_to_window(self, lines, areas):
-        """(lines, areas) where they are drawn: cut by the window, and turned with it."""
+        """Return (lines, areas) cut by the window and turned with the sheet."""
         if self._window:
             lines = svg_area.clip_lines(lines, self._window)
             areas = [area.intersection(self._window) for area in areas]
@@ -61,11 +61,11 @@ class Sheet:
         return cmath.exp(1j * math.radians(self._turn))
 
     def corners(self):
-        """Two opposite ones of the sheet as it is drawn; 0 and 0 if the file does not say how large it is."""
+        """Return two opposite corners of the sheet as it is drawn; 0 and 0 if the file does not say how large it is."""
         return 0j, complex(*self._page_size()) * self._turn_factor
 
     def _page_size(self):
-        """Width and height as turned numbers have it: untouched by RO, the sheet's long side is x."""
+        """Return (width, height) by the sheet's rotation but without RO: its long side is x."""
         size = sorted(self.size or (0.0, 0.0), reverse=True)
         return size[::-1] if self._turn % 180 else size
 
@@ -81,7 +81,7 @@ class Sheet:
         self._compute_scale()
 
     def set_relative_ends(self, given):
-        """IR: in per cent of the sheet."""
+        """IR: set P1 and P2, in per cent of the sheet."""
         width, height = self._page_size() if self.size else (_P2.real, _P2.imag)
         self.set_ends([share * (height if at % 2 else width) / 100 for at, share in enumerate(given)])
 
@@ -115,7 +115,7 @@ class Sheet:
         self._turn = int(given[0]) if given else 0
 
     def set_window(self, given):
-        """IW; without numbers the window is the sheet."""
+        """IW: set the window; without numbers the window is the sheet."""
         if len(given) < 4 and not self.size:
             self._window = None
             return

@@ -37,7 +37,7 @@ class Sheet:
 
 
 def nest_sheets(sheets, table, options):
-    """Several drawings on one table, `options.gap` between them. Raises Failure if there is no room."""
+    """Nest several drawings on one table, `options.gap` mm apart; return one Sheet. Raises Failure if there is no room."""
     (x, y), (width, height) = room_mm(table, options)
     shapes = [shape_of(sheet) for sheet in sheets]
     spots = nesting.nest_shapes(shapes, width, height, options.gap, options.turn, options.nesting)
@@ -68,7 +68,7 @@ def nest_sheets(sheets, table, options):
 
 
 def room_mm(table, options):
-    """(corner, size) of the room for nested drawings, in mm."""
+    """Return (corner, size) of the room for nested drawings, in mm."""
     x, y = options.origin or (options.margin, options.margin)
     return (x, y), (table[0] - x - options.margin, table[1] - y - options.margin)
 
@@ -78,7 +78,7 @@ def shape_of(sheet):
 
 
 def copy_sheet(sheet, options):
-    """Repeat all in columns and rows. Raises Failure."""
+    """Repeat the drawing in columns and rows. Raises Failure if `options.copies` is wrong."""
     if not options.copies:
         return
     match = re.fullmatch(r"(\d+)x(\d+)", options.copies)
@@ -92,7 +92,7 @@ def copy_sheet(sheet, options):
 
 
 def add_marks(sheet, box, table):
-    """A cross at each corner of the drawing, by each pen: crosses that fall on each other show that the pens do."""
+    """Add a cross at each corner of the drawing, by each pen: crosses that fall on each other show that the pens agree."""
     left, bottom, right, top = box
     for number in sheet.layers:
         for x in (max(left - _AWAY_MM, _CROSS_MM / 2), min(right + _AWAY_MM, table[0] - _CROSS_MM / 2)):

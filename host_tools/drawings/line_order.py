@@ -31,15 +31,15 @@ class Ends:
         return len(self._left)
 
     def take_first(self):
-        """Take the first line that is left."""
+        """Remove the first line that is left, and return its number."""
         while self._first not in self._left:
             self._first += 1
         self._take_line(self._first)
         return self._first
 
     def take_nearest(self, position, within=math.inf):
-        """Take the end nearest to `position`: (line, turned round), or None if none is `within`. Of two as near it takes the one that
-        begins there, and of these the first."""
+        """Remove the line whose end is nearest to `position`; return (line, turned round), or None if no end is `within`. Of two as near it takes
+        the one that begins there, and of these the first."""
         found = self._nearest_end(position, within)
         if found is None:
             return None
@@ -60,7 +60,7 @@ class Ends:
             self._places[end] = complex(math.inf, 0)
 
     def _nearest_end(self, position, within):
-        """The nearest end. An end in ring r + 1 of cells is farther than r cells."""
+        """Return the nearest end, or None. An end in ring r + 1 of cells is farther than r cells."""
         if not self._left:
             return None
         x, y = self._cell_of(position)
@@ -104,7 +104,7 @@ def join(lines, tolerance):
 
 
 def _find_alone(lines, tolerance):
-    """Of each line whether no end of another is within `tolerance` of its ends; False also where many are about."""
+    """Return for each line whether no end of another line is within `tolerance` of its ends; False also if many ends are near."""
     if not lines:
         return numpy.zeros(0, bool)
     ends = numpy.array([end for line in lines for end in (line[0], line[-1])], dtype=complex)
@@ -128,7 +128,7 @@ def _find_alone(lines, tolerance):
 
 
 def _join_met(lines, tolerance):
-    """[(the least number of a line in it, line)] of lines that meet others."""
+    """Join lines that meet others; return [(the least number of a line in it, line)]."""
     trails = _find_trails(lines, tolerance / 2)
     numbers = [min(number for number, _ in trail) for trail in trails]
     lines = [_chain_lines([(lines[number], turned) for number, turned in trail]) for trail in trails]
@@ -146,7 +146,7 @@ def _join_met(lines, tolerance):
 
 
 def join_in_order(lines, tolerance):
-    """The lines in their order; one that begins where the one before ended goes on from it."""
+    """Join lines in their order: one that begins where the one before ended continues it."""
     result = []
     for line in lines:
         if len(line) > 1 and result and abs(result[-1][-1] - line[0]) <= tolerance:
@@ -161,12 +161,12 @@ def _last_end(line, turned):
 
 
 def _chain_lines(parts):
-    """One line of [(line, turned round)]."""
+    """Return one line of [(line, turned round)]."""
     return numpy.concatenate([line[::-1] if turned else line for line, turned in parts])
 
 
 def _find_trails(lines, radius):
-    """Lists of (line, turned round) that are connected, as few as possible. Ends within `radius` of each other are one node."""
+    """Return lists of (line, turned round) that are connected, as few as possible. Ends within `radius` of each other are one node."""
     nodes = _number_nodes(lines, max(radius, 1e-9))
     edges = list(zip(nodes[::2], nodes[1::2]))
     around = {}  # node: numbers of the edges there; one that begins and ends there twice
@@ -197,14 +197,14 @@ def _find_trails(lines, radius):
 
 
 def _turn_forwards(trail):
-    """The trail from the end from which most of its lines go as they are."""
+    """Return the trail from the end from which most of its lines run in their own direction."""
     if 2 * sum(turned for _, turned in trail) > len(trail):
         return [(number, not turned) for number, turned in reversed(trail)]
     return trail
 
 
 def _number_nodes(lines, radius):
-    """The position of each end, by number; two for a line."""
+    """Return the node of each end, two for a line. Ends within `radius` of each other share a node."""
     cells = {}
     nodes = []
     centres = []
@@ -222,7 +222,7 @@ def _number_nodes(lines, radius):
 
 
 def _find_components(edges, around):
-    """Lists of nodes that lines connect."""
+    """Yield lists of nodes that lines connect."""
     seen = set()
     for first in around:
         if first in seen:
@@ -239,7 +239,7 @@ def _find_components(edges, around):
 
 
 def _find_circuit(start, edges, around):
-    """All edges of a component once, as (number, turned round), back to `start`; an even number meets at each node."""
+    """Return all edges of a component once, as (number, turned round), back to `start` (Hierholzer, 1873). An even number meets at each node."""
     left = {}
     used = set()
     path = [(start, None)]
@@ -263,7 +263,7 @@ def _find_circuit(start, edges, around):
 
 
 def travel_length(lines, position):
-    """How far a pen goes from `position` and between the lines."""
+    """Return the length that a pen travels from `position` to the first line, and between the lines."""
     if not lines:
         return 0.0
     starts, stops = (numpy.array([line[end] for line in lines]) for end in (0, -1))

@@ -25,7 +25,7 @@ _STRIPS = 5  # tried: each takes as long as the nesting itself, or less
 
 
 def outline_of(lines):
-    """The area that lines enclose and cover."""
+    """Return the area that lines enclose and cover, a shapely geometry."""
     parts = []
     for line in lines:
         pairs = numpy.column_stack((line.real, line.imag))
@@ -40,8 +40,8 @@ def outline_of(lines):
 
 
 def nest_shapes(shapes, width, height, gap=0.0, turn=True, order=0):
-    """The position of each shape: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
-    there is no room for one. `order`: 0, the largest first; each other number is an order of its own, the same on every computer."""
+    """Place shapes; return (x, y, quarters turned to the left) of each: x and y of its box's lower left corner then, in mm. `order` 0: the largest
+    first; each other number is an order of its own, the same on every computer. Raises Failure if there is no room for one."""
     chance = random.Random(order)
     turns = sorted(range(len(shapes)), key=lambda each: -shapes[each].area * (chance.uniform(_LEAST_CHANCE, 1) if order else 1))
     spots = _place_shapes(shapes, turns, width, height, gap, turn, False)
@@ -60,7 +60,8 @@ def nest_shapes(shapes, width, height, gap=0.0, turn=True, order=0):
 
 
 def _place_shapes(shapes, turns, width, height, gap, turn, across):
-    """The same in one go; `turns`: indices of the shapes, as they come; `across`: as far left as it goes, then as low."""
+    """Place shapes in one order; `turns`: indices of the shapes in this order; `across`: as far left as possible, then as low, else the other way
+    round."""
     cell = max(_LEAST_MM, math.sqrt(width * height / _MOST_CELLS))
     sheet = numpy.zeros((int(height / cell + 1e-9), int(width / cell + 1e-9)), bool)
     found = {}
@@ -85,7 +86,7 @@ def _place_shapes(shapes, turns, width, height, gap, turn, across):
 
 
 def turn_shape(shape, quarters):
-    """A shape turned to the left by quarters, its box's lower left corner at 0;0."""
+    """Turn a shape to the left by quarters, and move its box's lower left corner to 0;0."""
     shape = affinity.rotate(shape, 90 * quarters, origin=(0, 0))
     left, bottom, _, _ = shape.bounds
     return affinity.translate(shape, -left, -bottom)
@@ -96,7 +97,7 @@ def _pad_cells(gap, cell):
 
 
 def _mask_cells(shape, gap, cell):
-    """The cells that a shape covers or comes near, with a margin of _pad_cells() cells around its box."""
+    """Return the cells that a shape covers or comes near, with a margin of _pad_cells() cells around its box."""
     pad = _pad_cells(gap, cell)
     _, _, right, top = shape.bounds
     rows, columns = math.ceil(top / cell) + 2 * pad, math.ceil(right / cell) + 2 * pad
@@ -109,8 +110,8 @@ def _mask_cells(shape, gap, cell):
 
 
 def _find_free(sheet, mask, size, room, cell, gap, across):
-    """(top, column, row, column) of the lowest free place, `across`: (right end, row, row, column) of the leftmost; or None. Shapes on the
-    sheet have the gap around them already; the new shape needs none."""
+    """Find the lowest free place: (top, column, row, column); with `across` the leftmost: (right end, row, row, column); None: no room. Shapes on
+    the sheet have the gap around them already; the new shape needs none."""
     pad = _pad_cells(gap, cell)
     inner = mask[pad:-pad, pad:-pad]
     rows, columns = sheet.shape
@@ -136,6 +137,6 @@ def _put_mask(sheet, mask, row, column):
 
 
 def fullness(shapes, spots, width):
-    """(height used, share of the strip below it that the shapes cover)."""
+    """Return (height used, share of the strip below it that the shapes cover)."""
     used = max(spot[1] + turn_shape(shape, spot[2]).bounds[3] for shape, spot in zip(shapes, spots))
     return used, sum(shape.area for shape in shapes) / (used * width)

@@ -10,7 +10,7 @@ import math
 
 
 def objects():
-    """{name: [(pen_down, x, y), ...]}, each begun by a MOVE from 0;0."""
+    """Return {name: [(pen_down, x, y), ...]} in steps, each with a MOVE from 0;0 first."""
     return {"square": square(), "triangle": triangle(), "spiral": spiral(), "text": text(), "circle": circle()}
 
 

@@ -246,7 +246,7 @@ def move_before(
 def move_behind(
     state: ptr32, xs: ptr32, ys: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, gap: int, there: int, leaving: int, saved: int
 ) -> int:
-    """The same with lines of which that of the index `there` is the first."""
+    """Put up to LONGEST lines, the first of them that of the index `there`, into a gap, if that saves way. Return whether it did."""
     beside = tour[gap + 1] if leaving else tour[gap] ^ 1
     before = tour[there - 1] ^ 1
     saved += apart(xs, ys, before, tour[there])

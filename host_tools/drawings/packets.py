@@ -2,11 +2,11 @@
 
 
 def packet_words(points):
-    """An object, [(pen_down, x, y)], in the words of `passo send`, one packet a line."""
+    """Return an object, [(pen_down, x, y)] in steps, in the words of `passo send`, one packet a line."""
     return "".join(f"{'LINE' if pen else 'MOVE'} {round(x)} {round(y)}\n" for pen, x, y in points) + "END\n"
 
 
 def packet_lines(path):
-    """[(number, bytes)] of a job in these words; blank lines and what follows a # are left out. Raises OSError."""
+    """Return [(number, bytes)] of a job in these words, without blank lines and comments (#). Raises OSError."""
     lines = [line.split("#")[0].strip() for line in path.read_text(encoding="latin-1").splitlines()]
     return [(number, line.encode("latin-1")) for number, line in enumerate(lines, 1) if line]

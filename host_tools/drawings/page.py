@@ -56,19 +56,19 @@ class Page:
                 self.names.setdefault(number, name)
 
     def keep_layers(self, numbers):
-        """Forget other layers."""
+        """Keep only the layers with these numbers."""
         self.layers = {number: self.layers[number] for number in numbers}
         self.fills = {number: self.fills.get(number, []) for number in numbers}
 
 
 def move_lines(lines, change):
-    """Lines whose places, one array, have gone through `change`."""
+    """Return the lines after `change(positions)`, which gets the positions of all lines as one array."""
     return numpy.split(change(numpy.concatenate(lines)), numpy.cumsum([len(line) for line in lines[:-1]])) if lines else []
 
 
 def cut_inks(inks, area, left_out):
-    """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there. `left_out` counts a new edge that is not drawn
-    because the area has a stroke and a part of that is left."""
+    """Cut inks to an area: lines end at its edge, and areas get a new edge there. `left_out` counts a new edge that is not drawn, because the area
+    has a stroke and a part of that is left."""
     return [_cut_ink(ink, area, left_out) for ink in inks]
 
 

@@ -44,7 +44,7 @@ class Options:
 
 
 def box_of(layers):
-    """Left, least y, right, largest y of lists of lines."""
+    """Return left, least y, right, largest y of lists of lines, in their unit."""
     places = numpy.concatenate([line for lines in layers for line in lines if len(line)])
     return float(places.real.min()), float(places.imag.min()), float(places.real.max()), float(places.imag.max())
 
@@ -54,7 +54,7 @@ def table_mm(board):
 
 
 def percent_text(factor):
-    """A factor in per cent; 100 only if it is exactly that, and never 0."""
+    """Return a factor in per cent, as text; 100 only if it is exactly 1, and never 0."""
     if factor < 1e-3:
         return f"{factor * 100:.2g}"
     text = f"{factor * 100:.1f}"
@@ -62,7 +62,7 @@ def percent_text(factor):
 
 
 def fit_factor(box_px, board, options):
-    """The factor that makes a box fill the table within the margin."""
+    """Return the factor that makes a box, px of the file, fill the table within the margin. Raises Failure if the margin leaves no room."""
     room = [table - 2 * options.margin for table in table_mm(board)]
     if min(room) <= 0:
         raise Failure("a margin of {:g} mm leaves no room on the table", options.margin)
@@ -71,7 +71,7 @@ def fit_factor(box_px, board, options):
 
 
 class Alone:
-    """The same of one of several drawings: its outlines' corner at 0;0."""
+    """Position of one of several drawings: its outlines' corner at 0;0."""
 
     def __init__(self, page, options):
         left, _, _, bottom = box_of(page.layers.values())
@@ -124,7 +124,7 @@ class Placement:
             self.origin_mm = options.origin
 
     def on_table(self, box_px):
-        """A box of the file on the machine: left, bottom, right, top in mm."""
+        """Return a box of the file on the machine: left, bottom, right, top in mm."""
         mm_per_px = MM_PER_PX * self.factor
         x, y = self.origin_mm
         left, bottom = self.corner_px

@@ -11,7 +11,7 @@ _PAGE = "#8a8a8a"
 
 
 def title_of_trace(name, rows):
-    """Name and duration of a trace: from its first step to its end."""
+    """Return name and duration of a trace, from its first step to its end."""
     from host_tools.programs.estimate import clock_text
 
     if not rows:
@@ -22,7 +22,7 @@ def title_of_trace(name, rows):
 
 
 def strokes_of_trace(rows, steps_per_mm):
-    """[(pen_down, [(x, y), ...] in mm), ...] of a trace's rows; a tool other than 0 is down."""
+    """Return [(pen_down, [(x, y), ...] in mm), ...] of a trace's rows; a tool other than 0 is down."""
     strokes = []
     for row in rows:
         position = (row.x / steps_per_mm[0], row.y / steps_per_mm[1])
@@ -34,7 +34,7 @@ def strokes_of_trace(rows, steps_per_mm):
 
 
 def strokes_of_lines(lines, steps_per_mm):
-    """The same of polylines in steps, drawn from 0;0 in their order."""
+    """Return [(pen_down, [(x, y), ...] in mm), ...] of polylines in steps, drawn from 0;0 in their order."""
     strokes = []
     pen = (0.0, 0.0)
     for line in lines:
@@ -45,7 +45,7 @@ def strokes_of_lines(lines, steps_per_mm):
 
 
 def show_box(axes, box, label, color, style="-"):
-    """A rectangle (left, bottom, right, top in mm) behind the path, such as the table or the page."""
+    """Draw a rectangle (left, bottom, right, top in mm) behind the path, such as the table or the page."""
     left, bottom, right, top = box
     label = f"{label} {right - left:g} × {top - bottom:g} mm"
     xs, ys = (left, right, right, left, left), (bottom, bottom, top, top, bottom)
@@ -84,7 +84,7 @@ def save_picture(path, strokes, title, table=None, page=None, order=False):
 
 
 def finish_axes(figure, axes, title):
-    """A path seen from above: the same scale both ways, in mm, the legend below."""
+    """Set up the axes for a path seen from above: the same scale both ways, in mm, the legend below."""
     axes.autoscale()
     axes.margins(0.04)
     axes.set_aspect("equal", adjustable="datalim")
@@ -97,7 +97,7 @@ def finish_axes(figure, axes, title):
 
 
 def write(figure, path, dpi=130):
-    """Write a picture, and forget the figure. Raises Failure if that cannot be."""
+    """Write a picture, and forget the figure. Raises Failure if it cannot be written."""
     import matplotlib.pyplot as plt
 
     try:

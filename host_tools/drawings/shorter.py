@@ -33,7 +33,7 @@ _SHIFTED = 0, 9157  # of the two curves: units
 
 
 def shorten(lines, place, progress=None):
-    """The lines, in an order and directions of less travel. A line is a complex array. Calls `progress(share)` now and then, 0…1."""
+    """Return the lines in an order and directions of less travel. A line is a complex array. Calls `progress(share)` now and then, 0…1."""
     lines = list(lines)
     if not lines:
         return []
@@ -51,7 +51,7 @@ def shorten(lines, place, progress=None):
 
 
 class _Tour:
-    """Lines as the kernels' arrays, which order_viper.py describes."""
+    """The lines in the arrays of the kernels, which order_viper.py describes."""
 
     def __init__(self, lines, place):
         self._lines, self._place, self._count = lines, complex(place), len(lines)
@@ -70,7 +70,7 @@ class _Tour:
         self._locate_ends()
 
     def _locate_ends(self):
-        """Positions of ends, in units, and the ends near each other."""
+        """Compute the positions of ends, in units of the kernels, and the ends near each other."""
         places = (self._ends - self._low) * self._unit
         xs, ys = (numpy.clip(numpy.rint(part), 0, _SIDE).astype(numpy.int32) for part in (places.real, places.imag))
         self._xs, self._ys = _int_array(xs), _int_array(ys)
@@ -85,8 +85,8 @@ class _Tour:
         return *self._grid_arrays, self._near, self._tour, self._at, self._log, self._queue
 
     def start(self, number=0):
-        """By the nearest end, or in the order of the file, whichever is shorter; of an odd number the other one. Later numbers have closed
-        lines begin at random."""
+        """Order the lines by the nearest end, or as in the file, whichever is shorter; an odd `number` takes the other one. From `number` 2 on
+        closed lines begin at random."""
         count, state = self._count, self._state
         if number > 1:
             self._closed.shuffle_starts(self._ends, number)
@@ -111,12 +111,12 @@ class _Tour:
         return numpy.frombuffer(self._tour, numpy.int32)[1:-1]
 
     def lines_in_order(self):
-        """In the order of the tour."""
+        """Return the lines in the order of the tour."""
         self._closed.turn_lines(self._lines)
         return [self._lines[end >> 1][:: -1 if end & 1 else 1] for end in self._tour_order().tolist()]
 
     def improve_tour(self, progress):
-        """Until no end has a better neighbour among the nearest, with closed lines entered where that suits."""
+        """Move and turn lines until no end has a better neighbour among the nearest; between rounds choose where closed lines begin."""
         state, size = self._state, 2 * self._count
         for number in range(_ROUNDS):
             progress(number / _ROUNDS)
@@ -138,7 +138,7 @@ class _Tour:
         return float(abs(ends - stops).sum())
 
     def kick_tour(self, progress):
-        """Let pieces change places."""
+        """Swap neighbouring pieces of the tour at random, and keep what makes it shorter (order_viper.kick_once)."""
         state, tried = self._state, order_viper.TRIED
         kicks = min(_KICKS_A_LINE * self._count, _KICKS, _MOST_KICKED // self._count) // self._share
         state[order_viper.FARTHEST] = _FARTHEST_KICKED
@@ -148,7 +148,7 @@ class _Tour:
 
 
 class _Closed:
-    """The first vertex of closed lines: any will do."""
+    """Chooses the vertex at which each closed line begins."""
 
     def __init__(self, lines):
         self._numbers = numpy.array([number for number, line in enumerate(lines) if len(line) > 3 and line[0] == line[-1]], dtype=int)
@@ -161,7 +161,7 @@ class _Closed:
         self._turned = self._chosen.copy()  # as the lines have them
 
     def shuffle_starts(self, ends, seed):
-        """Choose vertices at random."""
+        """Choose the first vertices at random."""
         if len(self._numbers):
             sizes = numpy.diff([*self._firsts, len(self.points)])
             self._chosen = numpy.random.default_rng(seed).integers(0, sizes)
@@ -191,7 +191,7 @@ class _Closed:
         return bool((old != self._chosen).any())
 
     def turn_lines(self, lines):
-        """Let the lines begin at the vertices that were chosen."""
+        """Change the lines so that they begin at the chosen vertices."""
         for number, first, size in zip(self._numbers.tolist(), self._chosen - self._turned, numpy.diff([*self._firsts, len(self.points)])):
             if first:
                 line, first = lines[number], first % size
@@ -210,8 +210,8 @@ def _int_array(numbers):
 
 
 def _nearest_ends(xs, ys):
-    """Of each end the order_viper.NEAR nearest ones of other lines, among those that are near on two space-filling curves (Morton, 1966): a
-    grid would have most of a drawing in a few cells. Of the pen's first place, the last two, there are none."""
+    """Return for each end the order_viper.NEAR nearest ends of other lines, among those that are near on two space-filling curves (Morton, 1966): a
+    grid would have most of a drawing in a few cells. The pen's first place, the last two ends, has none."""
     count = len(xs) - 2
     found = numpy.full((count + 2, order_viper.NEAR), -1, numpy.int32)
     steps = numpy.array([each for each in range(-_MORTON, _MORTON + 1) if each])
@@ -239,7 +239,7 @@ def _nearest_ends(xs, ys):
 
 
 def _spread_bits(numbers):
-    """The bits of numbers below 2^16, a gap behind each."""
+    """Return numbers below 2^16 with a gap behind each bit."""
     spread = numbers.astype(numpy.int64)
     for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
         spread = (spread | spread << shift) & mask
@@ -247,7 +247,8 @@ def _spread_bits(numbers):
 
 
 def _chain_ends(xs, ys, count):
-    """(chains of ends in the cells of a grid: of each end the next one of its cell, and behind them the first of each cell; the grid's shift)"""
+    """Chain the ends in the cells of a grid: of each end the next one of its cell, and behind them the first of each cell. Returns (chains, the
+    grid's shift)."""
     shift = 14
     while shift > 6 and (32768 >> shift) ** 2 < 2 * count:
         shift -= 1

@@ -17,7 +17,7 @@ _FIRST = 4096  # bytes that say what a file is
 
 
 def open_drawing(path):
-    """A reader. Raises Failure."""
+    """Return the reader of a drawing, by the first bytes of the file. Raises Failure."""
     path = Path(path)
     try:
         with open(path, "rb") as file:

@@ -45,7 +45,7 @@ def _load_font():
 
 @lru_cache(maxsize=256)
 def letter_strokes(text):
-    """The strokes of a letter; None if the font has not got it."""
+    """Return the strokes of a letter; None if the font has not got it."""
     text = _SAME.get(text, text)
     if text in _SIGNS:
         return [numpy.array(stroke) for stroke in _SIGNS[text]]
@@ -61,7 +61,7 @@ def letter_strokes(text):
 
 
 def _of_parts(text):
-    """The strokes of a letter that the font has not, of others; None if there are none."""
+    """Return the strokes of a letter that the font has not got, made of other letters; None if there are none."""
     if text in _TURNED:
         return [(2 / 3) * 1j - stroke for stroke in letter_strokes(_TURNED[text])]
     if text in _STRUCK:

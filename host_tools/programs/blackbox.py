@@ -58,7 +58,7 @@ class Snapshot:
 
     @property
     def backlash_taken(self):
-        """Steps of backlash that were taken up at its position, of each axis."""
+        """The steps of backlash that are taken up at the snapshot's position, of each axis."""
         return [self.flags >> 3 + 7 * axis & 127 for axis in range(len(self.position))]
 
 
@@ -79,7 +79,7 @@ class Box:
 
     @classmethod
     def from_files(cls, files, older=False):
-        """The newest box of a board's files, or the one before. Raises Failure if there is none."""
+        """Return the newest box of a board's files; `older`: the one before. Raises Failure if there is none."""
         if FILE not in files or BOARD_FILE not in files:
             raise Failure("there is no black box in it: {} and {} are wanted", FILE, BOARD_FILE)
         if older and OLD not in files:
@@ -92,8 +92,8 @@ class Box:
         return box
 
     def start(self):
-        """The oldest snapshot that a replay can begin at: behind the last homing, its bytes still there, no line half done; None if
-        there is none."""
+        """Return the oldest snapshot at which a replay can begin: behind the last homing, its bytes still there, no line half done; None if there is
+        none."""
         fit = []
         for before, snapshot in zip([None, *self.snapshots], self.snapshots):
             if before and snapshot.flags & HOMED and not before.flags & HOMED:
@@ -103,12 +103,12 @@ class Box:
         return next((snapshot for snapshot in fit if self._before_stops(snapshot)), None)
 
     def _before_stops(self, snapshot):
-        """True if the machine had come to where `snapshot` begins before it stopped next: lines wait in a queue."""
+        """True if the machine passed the position of `snapshot` before its next stop: lines wait in a queue."""
         stop = next((row for row in self.rows_since(snapshot) if row.kind in PLACES), None)
         return stop is None or stop.value >= snapshot.added
 
     def rows_since(self, snapshot):
-        """Rows behind a snapshot, and samples among them, by their time."""
+        """Return the rows behind a snapshot, and the samples among them, by their time."""
         rows = self.rows[max(snapshot.rows - self.first, 0) :]
         samples = [row for row in self.samples if row.ms >= snapshot.ms and (row.taken > snapshot.taken or row.value >= snapshot.added)]
         return sorted(rows + samples, key=lambda row: (row.ms, row.kind == SAMPLE))
@@ -122,7 +122,7 @@ class Box:
 
 
 def board_of(text):
-    """(table, the same checked) of a board file's text, which is data: nothing of it runs. Raises Failure."""
+    """Return (table, the same checked) of a board file's text. The text is data: nothing of it runs. Raises Failure."""
     try:
         table = boards.parse_table(text, "board.py")
         return table, check(table)
@@ -131,12 +131,12 @@ def board_of(text):
 
 
 def file_of(why, numbers, text):
-    """The bytes of a file blackbox.bin, as a board of this computer writes them."""
+    """Return the bytes of a file blackbox.bin, as a board writes them whose byte order is this computer's."""
     return box_head(why) + numbers + text
 
 
 def pack_files(files):
-    """{name: bytes} as the bytes of one file, a ZIP archive."""
+    """Pack {name: bytes} into the bytes of one file, a ZIP archive."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
@@ -145,7 +145,7 @@ def pack_files(files):
 
 
 def unpack_files(data):
-    """{name: bytes} of such a file. Raises Failure."""
+    """Unpack such a file; return {name: bytes}. Raises Failure."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return {item.filename: archive.read(item) for item in archive.infolist() if item.file_size <= _MOST_BYTES}
@@ -154,7 +154,7 @@ def unpack_files(data):
 
 
 def read(data, board):
-    """A Box. Raises Failure if `data` is none."""
+    """Read a Box. Raises Failure if `data` is none."""
     first, _, rest = data.partition(b"\n")
     numbers = rest[: 4 * BOX_NUMBERS]
     if not first.startswith(_FIRST_LINE) or len(rest) < 4 * BOX_NUMBERS + BOX_TEXT:
@@ -186,7 +186,7 @@ def _row_of(numbers, at, board, platform):
 
 
 def _input_levels(bits, board, platform):
-    """{input: active} of `bits` from port.levels(). On an RP2 bit n is pin n; elsewhere the last input is bit 0, the one before it bit 1, and
+    """Return {input: active} of `bits` from port.levels(). On an RP2 bit n is pin n; elsewhere the last input is bit 0, the one before it bit 1, and
     so on. A bit is the level of its pin; on an ESP32 1 is active."""
     inputs = board["inputs"]
     if platform == "rp2":

@@ -50,8 +50,8 @@ class Row:
 
 
 def characterise(rows):
-    """{commanded mm: {axis: (mean, standard deviation)}} of the lengths along axes, as table 1 of the torch's document of 2020 has them. A length
-    with a line for each reading gets both from its lines; of one reading alone the deviation is 0."""
+    """Return {commanded mm: {axis: (mean, standard deviation)}} of the lengths along axes, as table 1 of the torch's document of 2020 has them. A
+    length with a line for each reading gets both from its lines; of one reading alone the deviation is 0."""
     found = {}
     for row in rows:
         if len(row.axis) == 1:
@@ -60,7 +60,7 @@ def characterise(rows):
 
 
 def _mean_of(rows):
-    """(mean, standard deviation) of the readings that the rows stand for."""
+    """Return (mean, standard deviation) of all readings of the rows, in mm."""
     count = sum(row.readings for row in rows)
     mean = sum(row.readings * row.measured for row in rows) / count
     squares = sum((row.readings - 1) * row.sigma**2 + row.readings * (row.measured - mean) ** 2 for row in rows)
@@ -94,7 +94,7 @@ class Square:
 
 
 def read(path):
-    """The rows of a table. Raises Failure with the line that is wrong."""
+    """Read the rows of a table. Raises Failure with the line that is wrong."""
     try:
         text = open(path, encoding="utf-8", errors="replace").read()
     except OSError as error:
@@ -133,8 +133,8 @@ def _parse_row(where, fields):
 
 
 def pool_rows(rows, reading=READING_MM):
-    """[(commanded, turn, mean, its standard uncertainty)] of equal lengths. `reading`: the uncertainty of a reading, in mm.
-    A length read once, without sigma, has the uncertainty `reading` alone."""
+    """Pool equal lengths; return [(commanded, turn, mean, its standard uncertainty)] in mm. `reading`: the uncertainty of a reading, in mm. A length
+    read once, without sigma, has the uncertainty `reading` alone."""
     groups = {}
     for row in rows:
         groups.setdefault((row.commanded, row.turn), []).append(row)
@@ -149,7 +149,8 @@ def pool_rows(rows, reading=READING_MM):
 
 
 def fit_axis(rows, steps_per_mm, reading=READING_MM):
-    """The Fit of one axis's rows, measured at `steps_per_mm`. Raises Failure if there are too few lengths."""
+    """Fit scale and backlash to one axis's rows, measured at `steps_per_mm`, by weighted least squares. Returns a Fit. Raises Failure if there are
+    too few lengths."""
     points = pool_rows(rows, reading)
     axis = rows[0].axis
     lengths = np.array([commanded[0] for commanded, _, _, _ in points])
@@ -188,7 +189,7 @@ def _verdict_of(scale, u_scale, chance):
 
 
 def chi2_above(chi2, freedom):
-    """The chance that χ² of `freedom` degrees of freedom is above `chi2` (Abramowitz and Stegun, 26.4.4 and 26.4.5)."""
+    """Return the chance that χ² of `freedom` degrees of freedom is above `chi2` (Abramowitz and Stegun, 26.4.4 and 26.4.5)."""
     half = chi2 / 2
     tail = math.erfc(math.sqrt(half)) if freedom % 2 else math.exp(-half)
     for degrees in range(freedom % 2 or 2, freedom, 2):
@@ -221,8 +222,8 @@ def squareness(rows, scales, reading=READING_MM):
 
 
 def square_waves(axis, lengths, count, spacing=4.0):
-    """The square waves of the document, [(mm of a length's first point or None, x, y)], from 0, 0: `count` strokes to and fro along `axis` (x or
-    y) for each length, `spacing` mm apart on the other axis; each stroke is after a turn. To a length's first point the tool is off."""
+    """Return the square waves of the document, [(mm of a length's first point or None, x, y)], from 0, 0: `count` strokes to and fro along `axis` (x
+    or y) for each length, `spacing` mm apart on the other axis; each stroke is after a turn. To a length's first point the tool is off."""
     found, across = [], 0.0
 
     def add_point(length, along):
@@ -241,7 +242,7 @@ def square_waves(axis, lengths, count, spacing=4.0):
 
 
 def pattern_lines(axis, lengths, count, feed):
-    """These square waves as lines of G-code, at `feed` mm/min. M3 lowers the pen, M5 lifts it."""
+    """Return these square waves as lines of G-code, at `feed` mm/min. M3 lowers the pen, M5 lifts it."""
     lines, before = ["G21 G90 G94", "M5"], None
     for length, x, y in square_waves(axis, lengths, count):
         if length is not None:
@@ -256,13 +257,13 @@ def pattern_lines(axis, lengths, count, feed):
 
 
 def pattern_packets(axis, lengths, count, steps_per_mm):
-    """The same in the words of the plotter's packets."""
+    """Return these square waves in the words of the plotter's packets."""
     waves = square_waves(axis, lengths, count)
     return [f"{'LINE' if length is None else 'MOVE'} {round(x * steps_per_mm[0])} {round(y * steps_per_mm[1])}" for length, x, y in waves] + ["END"]
 
 
 def pattern_pulses(axis, lengths, count, feed, steps_per_mm):
-    """The same as a file of pulses, whose tool is on along the strokes."""
+    """Return these square waves as a file of pulses, whose tool is on along the strokes."""
     codes, at = [f"[+{feed:g}"], (0, 0)
     for length, x, y in square_waves(axis, lengths, count):
         to = round(x * steps_per_mm[0]), round(y * steps_per_mm[1])

@@ -44,13 +44,13 @@ class Piece:
 
     @property
     def sweep(self):
-        """Radians, positive in either direction."""
+        """The angle of the arc in radians, positive in either direction."""
         if self.whole:
             return math.tau
         return self.angle_to(self.end) if abs(self.start - self.end) > SMALL else 0.0
 
     def angle_to(self, point):
-        """Radians from the start to `point`, in the arc's direction, 0 … 2π."""
+        """Return the radians from the start to `point`, in the arc's direction, 0 … 2π."""
         ratio = (point - self.centre) / (self.start - self.centre)
         return (-cmath.phase(ratio) if self.clockwise else cmath.phase(ratio)) % math.tau
 
@@ -59,17 +59,17 @@ class Piece:
         return abs(self.end - self.start) if self.centre is None else self.radius * self.sweep
 
     def direction_at(self, at):
-        """The unit vector along the piece at its point `at`."""
+        """Return the unit vector along the piece at its point `at`."""
         if self.centre is None:
             return (self.end - self.start) / abs(self.end - self.start)
         return (at - self.centre) / abs(at - self.centre) * (-1j if self.clockwise else 1j)
 
     def point_beside(self, at, distance):
-        """The point `distance` to the left of the piece at its point `at`."""
+        """Return the point `distance` mm to the left of the piece at its point `at`."""
         return at + 1j * self.direction_at(at) * distance
 
     def chord_points(self, sag=_SAG):
-        """Points on the piece, whose chords are at most `sag` away from it."""
+        """Return points on the piece whose chords are at most `sag` mm away from it."""
         if self.centre is None:
             return [self.start, self.end]
         step = 2 * math.acos(max(0.0, 1 - sag / self.radius)) if self.radius > sag else math.pi / 4
@@ -80,7 +80,7 @@ class Piece:
 
 
 def _on_bisector(start, end, centre):
-    """The centre with the same distance from both ends: programs round theirs."""
+    """Return the centre, moved so that both ends are equally far from it: programs round theirs."""
     chord = end - start
     if abs(chord) < SMALL:
         return centre
@@ -98,8 +98,8 @@ def _dot_product(a, b):
 
 
 def offset_contour(contour, side, radius):
-    """[(piece, number in the contour)] beside the contour; its first begins, and its last ends, square to the contour. Raises
-    ProgramError, without a detail if it is a pair of pieces; its `pieces` are their numbers."""
+    """Move a contour by the tool's radius (mm) to one side; return [(piece, number in the contour)]. Its first piece begins, and its last ends,
+    square to the contour. Raises ProgramError; if a pair of pieces does not fit, without a detail, and `pieces` are their numbers."""
     path = []
     for number, piece in enumerate(contour):
         beside = _offset_piece(piece, side * radius)
@@ -122,8 +122,8 @@ def offset_contour(contour, side, radius):
 
 
 def _turn_sine(before, piece):
-    """Sine of the angle by which the contour turns left between two pieces. If it turns back: 2 or -2, to the left or the right by the points
-    beside the corner; nan if it goes back on itself."""
+    """Return the sine of the angle by which the contour turns left between two pieces; 2 or -2 if it turns back, to the left or the right by the
+    points beside the corner; nan if it goes back on itself."""
     into, out = before.direction_at(before.end), piece.direction_at(piece.start)
     sine = _cross_product(into, out)
     if abs(sine) > _SMOOTH or _dot_product(into, out) > 0:
@@ -135,8 +135,8 @@ def _turn_sine(before, piece):
 
 
 def lead_around(place, corner, start, side, radius):
-    """The way from `place` to `start`, which lies a radius beside `corner`, that never comes nearer to the corner: a line that
-    touches the circle around it, then along the circle. None if `place` is too near."""
+    """Return the pieces from `place` to `start`, which lies a radius beside `corner`: a line that touches the circle around the corner, then along
+    the circle, so that they never come nearer. None if `place` is too near."""
     away = place - corner
     if abs(away) < radius:
         return None
@@ -147,8 +147,9 @@ def lead_around(place, corner, start, side, radius):
 
 
 def lead_alongside(entry, first, path, side, radius):
-    """The way in that ends beside the end of `entry`, whose start is the tool's centre and whose end its edge, in its direction; then around the
-    corner to the start of `path`. At an inside corner `path` begins later. `first`: the contour's first piece, or None. Raises ProgramError."""
+    """Return the pieces of a way in that ends beside the end of `entry`, in its direction, then goes around the corner to the start of `path`. The
+    start of `entry` is the tool's centre, its end the tool's edge. At an inside corner `path` begins later. `first`: the contour's first piece,
+    or None. Raises ProgramError."""
     into = entry.direction_at(entry.end)
     end = entry.end + 1j * into * side * radius
     way = Piece(entry.start, end) if entry.centre is None else _tangent_arc(entry, end, into, radius)
@@ -164,7 +165,8 @@ def lead_alongside(entry, first, path, side, radius):
 
 
 def _tangent_arc(entry, end, into, radius):
-    """The arc from the start of `entry` that arrives at `end` in the direction `into`."""
+    """Return the arc from the start of `entry` that arrives at `end` in the direction `into`. Raises ProgramError if the arc's radius is below the
+    tool's."""
     inward = into * (-1j if entry.clockwise else 1j)
     off = entry.start - end
     height = _dot_product(inward, off)
@@ -180,7 +182,7 @@ def _misfit_error(first, second, detail="", *values):
 
 
 def _offset_piece(piece, left):
-    """The piece moved `left` mm to its left; None if nothing is left of an arc."""
+    """Return the piece moved `left` mm to its left; None if nothing is left of an arc."""
     if piece.centre is not None:
         if piece.radius + (left if piece.clockwise else -left) < SMALL:
             return None
@@ -194,7 +196,7 @@ def _cut_piece(piece, start, end, whole=False):
 
 
 def _join_at_crossing(before, beside, number):
-    """Two offset pieces around an inside corner, both cut off where they cross."""
+    """Cut two offset pieces around an inside corner where they cross. Raises ProgramError if they do not."""
     first, origin = before
     if abs(first.end - beside.start) < 10 * SMALL:
         return before, beside
@@ -225,7 +227,7 @@ def _is_on_piece(piece, point):
 
 
 def crossings(a, b):
-    """The points where the lines and circles of two pieces cross; one for circles that touch."""
+    """Return the points where the lines and circles of two pieces cross; one point for circles that touch."""
     if a.centre is None and b.centre is None:
         across = _cross_product(a.end - a.start, b.end - b.start)
         if abs(across) < SMALL * SMALL:
@@ -260,7 +262,8 @@ def _crossing_pair(middle, way, radius, height):
 
 
 def gouges(path, contour, radius):
-    """[(number in `path`, number in `contour`, distance)] of pieces that come nearer than the radius. Needs shapely."""
+    """Return [(number in `path`, number in `contour`, distance in mm)] of the pieces that come nearer to each other than the radius. Needs shapely.
+    Return [(number in `path`, number in `contour`, distance in mm)] of the pieces that come nearer to each other than the radius. Needs shapely."""
     import numpy
     from shapely import LineString, STRtree, distance
 

@@ -35,7 +35,7 @@ _SIGNS = {
 
 
 class _Progress:
-    """How far a program has been carried out, on stderr, if that takes long."""
+    """Prints on stderr how far a program has been carried out, if that takes long."""
 
     def __init__(self):
         self._done = 0
@@ -59,7 +59,7 @@ class Program:
     """Lines for a sender. `dialect`: "plain" if it is the file as it is."""
 
     def __init__(self, path, dialect, listing=None, texts=None, reason=""):
-        """`reason`: why it is compiled, if nobody asked for that."""
+        """`reason`: why the program is compiled, if nobody asked for that."""
         self.path, self.name = path, path.name
         self.dialect, self.reason = dialect, reason
         self.listing, self.texts = listing, texts
@@ -67,7 +67,7 @@ class Program:
         self.behind = ""  # a note on lines behind the program's end, once rows() has come to it
 
     def rows(self):
-        """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
+        """Yield (number, bytes) of each line of the file, or of the listing. Raises Failure at the first wrong line."""
         rows = gcode_file.file_lines(self.path, self._note_end) if self.listing is None else iter(self.listing.lines())
         return self.flat(rows) if self.flat else rows
 
@@ -75,27 +75,27 @@ class Program:
         self.behind = _("{} ends at line {}; what stands behind it is no part of the program: {}", self.name, number, count_text(behind, "line"))
 
     def advice(self):
-        """Advice on settings of the program that made the file, if its lines are refused; "" if there is none."""
+        """Return advice on the settings of the CAM program that made the file, for refused lines; "" if there is none."""
         return advice_of(self.path)
 
     def last_number(self):
         return gcode_file.last_number(self.path) if self.listing is None else len(self.listing.codes)
 
     def origin(self, number):
-        """The origin of line `number`, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
+        """Return the origin of line `number`, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
         if self.listing is None:
             return line_text(number)
         return _("{}, listing line {}", self.listing.origin(number) or self.name, number)
 
     def place_text(self, number):
-        """The same for the beginning of an error: "path/part.ngc:12"."""
+        """Return the origin of line `number` for the beginning of an error: "path/part.ngc:12"."""
         if self.listing is None:
             return f"{self.path}:{number}"
         return _("{}: listing line {}", self.path.parent / self.listing.origin(number), number)
 
 
 def text_of(path):
-    """The text of a program. Raises Failure if there is none."""
+    """Read the text of a program. Raises Failure if there is none."""
     try:
         data = Path(path).read_bytes()
     except OSError as error:
@@ -117,8 +117,8 @@ def text_of(path):
 
 
 def detect_dialect(path):
-    """(dialect, why): "plain" if no word needs a compiler. A suffix .num decides; else the first line that says more. Raises
-    Failure if there are words of both dialects."""
+    """Return (dialect, why): "plain" if no word needs a compiler. A suffix .num decides; else the first line that says more. Raises Failure if there
+    are words of both dialects."""
     suffix = path.suffix.lower()
     if suffix in _SUFFIXES:
         return _SUFFIXES[suffix], _("its name ends in {}", path.suffix)
@@ -137,9 +137,9 @@ def detect_dialect(path):
 
 
 def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False, linear=False):
-    """A compiled Program. `dialect`: one of DIALECTS, or None: by the file; `tools`: a table's path; `start`: where X, Y, Z
-    and A stand at first, mm and degrees of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with
-    /; `linear`: A of an ngc program is no rotary axis. Raises Failure."""
+    """Compile a file into a Program. `dialect`: one of DIALECTS, or None: by the file; `tools`: a table's path; `start`: where X, Y, Z and A stand
+    at first, mm and degrees of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with /;
+    `linear`: A of an ngc program is no rotary axis. Raises Failure."""
     path = Path(path)
     more = {}
     if dialect is None:
@@ -160,7 +160,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False,
         from host_tools.programs.num.interpreter import compile_program
 
     def find_subroutine(label):
-        """A subroutine's file, its name a path from the program's folder or from `subs` there."""
+        """Return (name, text) of a subroutine's file, looked for in the program's folder and in `subs` there; None if there is none."""
         names = dict.fromkeys(f"{each}.ngc" for each in (label, label.lower()))
         for other in (folder / name for folder in (path.parent, path.parent / "subs") for name in names):
             if other.is_file():
@@ -179,8 +179,8 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False,
 
 
 def read(path, dialect=None, tools=None, linear=False):
-    """A Program for a sender, no HPGL: compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as it
-    is. `linear`: the machine's A is no rotary axis. Raises Failure."""
+    """Read a Program for a sender, no HPGL. It is compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as
+    it is. `linear`: the machine's A is no rotary axis. Raises Failure."""
     path = Path(path)
     why = ""
     if path.is_file():
@@ -197,7 +197,7 @@ def read(path, dialect=None, tools=None, linear=False):
 
 
 def fit_to_machine(program, about, tools=None):
-    """The program for a machine that answers `about` to `$I`: compiled anew if it has A in G20 and the machine's A is linear."""
+    """Return the program for a machine that answers `about` to `$I`: compiled anew if it has A in G20 and the machine's A is linear."""
     if program.listing is None or not program.listing.turns_in_inches or "[AXS:4" not in "".join(about) or "[ROTARY:" in "".join(about):
         return program
     fitted = read(program.path, program.dialect, tools, True)
@@ -206,8 +206,8 @@ def fit_to_machine(program, about, tools=None):
 
 
 def print_notes(program):
-    """Say on stderr that a program was compiled, if nobody asked for it, what its compiler warns of, and, once its rows have been read, what follows its
-    end."""
+    """Print on stderr that a program was compiled, if nobody asked for it, the compiler's warnings, and, once its rows have been read, what follows
+    its end."""
     if program.reason:
         text = _("{}: compiled as {}, because {}: {}; --dialect plain sends it as it is")
         print(text.format(program.name, program.dialect, program.reason, count_text(program.last_number(), "line")), file=sys.stderr)

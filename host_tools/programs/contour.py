@@ -59,7 +59,7 @@ class Contour:
         return target
 
     def add_line(self, begin, end, target, rapid, feed, source):
-        """A straight motion of the program, from `begin` to `end`."""
+        """Add a straight motion of the program, from `begin` to `end`, in mm."""
         first, second, third = self.axes
         heights = begin[third], end[third]
         ends = begin[first], begin[second], end[first], end[second]
@@ -95,7 +95,7 @@ class Contour:
     # --- the end
 
     def flush(self):
-        """Append all to the listing. False if nothing was moved in X or Y."""
+        """Append all motions to the listing. Returns False if nothing was moved in X or Y. Raises ProgramError."""
         pieces = [motion for motion in self._motions if motion.piece]
         if not pieces:
             for motion in self._motions:
@@ -122,7 +122,7 @@ class Contour:
         return True
 
     def _way_in(self, entry, path):
-        """The pieces of the way in; `path` may begin later for it. Raises ProgramError."""
+        """Return the pieces of the way in; shortens the beginning of `path` if that needs it. Raises ProgramError."""
         first = self._told[0].piece if path else None
         refused = None
         if entry.piece.centre is None and path:
@@ -138,8 +138,8 @@ class Contour:
         return pieces
 
     def _lead_pieces(self, place, corner, start, side, motion, error):
-        """The pieces from `place` to `start`: a straight line if that cuts nothing, else around the contour's end. Raises ProgramError
-        with the number `error`."""
+        """Return the pieces from `place` to `start`: a straight line if that cuts nothing, else around the contour's end. Raises ProgramError with
+        the number `error`."""
         straight = [Piece(place, start)]
         around = lead_around(place, corner, start, side, self.radius)
         try:
@@ -152,7 +152,7 @@ class Contour:
         return around
 
     def _check_gouges(self, path, entry, error):
-        """Raises ProgramError if the tool cuts into the contour."""
+        """Raise ProgramError if the tool cuts into the contour, unless the cut area is wanted gone."""
         contour = [motion.piece for motion in self._told]
         warned = set()
         for at, against, far in gouges([piece for piece, _ in path], contour, self.radius):
@@ -173,7 +173,7 @@ class Contour:
                 self._path.listing.warnings.append(warning)
 
     def _remainder_under(self, motion):
-        """The areas that the pieces leave and the motion is not above."""
+        """Return the UncutAreas of those pieces that the motion is not above, computed once for each height."""
         from host_tools.programs.uncut_areas import UncutAreas  # which needs shapely
 
         heights = [height for height in motion.heights if height is not None]
@@ -183,7 +183,7 @@ class Contour:
         return self._kept[level]
 
     def put_way_out(self, begin, place, rapid, feed, source):
-        """Append what comes before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""
+        """Append the motions before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""
         here, there, third = self._in_plane(begin), self._in_plane(place), self.axes[2]
         if abs(here - there) < SMALL:
             return
@@ -213,7 +213,7 @@ class Contour:
             self._path.put_line(self._target_of(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
 
     def _put_piece(self, piece, motion, height):
-        """One piece of the path, at its end at `height`."""
+        """Append one piece of the path, which ends at `height` mm."""
         end = self._target_of(piece.end.real, piece.end.imag, height)
         if piece.centre is None:
             self._path.put_line(end, motion.rapid, motion.feed, motion.source)
@@ -225,7 +225,7 @@ class Contour:
             self._path.put_arc(self.plane, piece.clockwise, end, (centre.real, centre.imag), motion.feed, piece.sweep, 1, motion.source)
 
     def _put_still(self, motion):
-        """A motion of Z alone, or a word."""
+        """Append a motion of Z alone, or a word."""
         if motion.code:
             self._path.listing.add_line(motion.code, motion.source)
         else:

@@ -27,7 +27,7 @@ class Spot(NamedTuple):
     position: Optional[tuple] = None
 
     def start(self, objects):
-        """Position of the pen when the drawing goes on: x, y. Only if anything is done."""
+        """Return the pen's position, (x, y) in steps, at which the drawing goes on. At least one point must be drawn."""
         before = objects[self.number][self.drawn - 1] if self.drawn else objects[self.number - 1][-1]
         return self.position or before[1:]
 
@@ -36,7 +36,7 @@ class Spot(NamedTuple):
 
 
 def packets_of(objects, home=False, speed=None):
-    """The packets that draw `objects`."""
+    """Return the bytes of the packets that draw `objects`."""
     parts = [packet(COMMANDS["ORIGIN"])] if home else []
     if speed is not None:
         parts.append(packet(COMMANDS["SPEED"], speed))
@@ -47,7 +47,7 @@ def packets_of(objects, home=False, speed=None):
 
 
 def write_packets(path, objects, home, speed):
-    """Write a file of packets. Raises Failure."""
+    """Write a file of packets. Raises Failure if that cannot be."""
     try:
         path.write_bytes(packets_of(objects, home, speed))
     except OSError as error:
@@ -55,7 +55,7 @@ def write_packets(path, objects, home, speed):
 
 
 def objects_of(data):
-    """(objects, speed or None) of a file's packets, which are right."""
+    """Return (objects, speed or None) of a file's packets, which must be right."""
     objects, speed = [[]], None
     for at in range(0, len(data), PACKET):
         code, x, y = data[at], data[at + 1] << 8 | data[at + 2], data[at + 3] << 8 | data[at + 4]
@@ -69,17 +69,18 @@ def objects_of(data):
 
 
 def number_of(objects):
-    """By which a board's journal knows the drawing."""
+    """Return the number by which a board's journal knows the drawing: the CRC-32 of its packets."""
     return zlib.crc32(packets_of(objects)) or 1
 
 
 def numbers_of_stored(objects, speed):
-    """And as a stored job."""
+    """Return the numbers by which the journal knows the drawing as a stored job."""
     return [zlib.crc32(packets_of(objects, home, each)) or 1 for home in (False, True) for each in {None, speed}]
 
 
 def spot_of(record, objects):
-    """The point at which a drawing goes on, by the board's journal. Raises Failure if it is done, or the position is not on its lines."""
+    """Find the point at which a drawing goes on, by the board's journal; return a Spot. Raises Failure if the drawing is done, or the position is
+    not on its lines."""
     points = [point for each in objects for point in each]
     line, position = record.line, tuple(record.place[:2])
     if record.done and line >= len(points) and (not points or points[-1][1:] == position):
@@ -99,7 +100,7 @@ def spot_of(record, objects):
 
 
 def spot_at(objects, number, drawn):
-    """The Spot before a point of an object."""
+    """Return the Spot before a point of an object."""
     return Spot(number, drawn, sum(len(points) for points in objects[:number]) + drawn)
 
 
@@ -122,7 +123,7 @@ def _is_on_line(start, end, position):
 
 
 def announce_rest(client, objects, spot):
-    """Tell a board with a journal that the rest of the drawing begins; a point to come leads to `spot.start`, if anything is done."""
+    """Tell a board with a journal that the rest of the drawing begins. If anything is drawn, the first point to come leads to `spot.start`."""
     line = f"$JR={number_of(objects):08x},{spot.done + 1 if spot.position else spot.done},{0 if spot.position else DONE},{1 if spot.done else 0}"
     if spot.done:
         line += ",%d,%d" % tuple(spot.start(objects))

@@ -28,7 +28,7 @@ class Cycle:
     spindle: str = ""  # M3 or M4, what it turns by
 
     def put_hole(self, path, position):
-        """One hole at `position`, on the plane's axes."""
+        """Append the motions of one hole at `position`, on the plane's axes, in mm."""
         self._move_to(path, (*position, self.over), True)
         self.over = None
         self._move_z(path, self.above, True)

@@ -26,7 +26,7 @@ class Estimate:
         self._delay_s = {True: tool.get("on_ms", 0) / 1000, False: tool.get("off_ms", 0) / 1000}
 
     def object_s(self, points, start=(0, 0), pen=False):
-        """Seconds that each of [(pen_down, x, y), ...] takes from the one before it, beginning at `start`."""
+        """Return the seconds that each of [(pen_down, x, y), ...] takes from the point before it, beginning at `start`."""
         seconds = []
         x, y = start
         for down, to_x, to_y in points:
@@ -36,7 +36,7 @@ class Estimate:
         return seconds
 
     def lines_s(self, lines):
-        """Seconds of lines of (x, y) steps, each drawn with the pen down, beginning at 0;0 with the pen up."""
+        """Return the seconds of lines of (x, y) steps, each drawn with the pen down, beginning at 0;0 with the pen up."""
         if not lines:
             return 0.0
         points = numpy.array([(0, 0), *(point for line in lines for point in line)], dtype=float)
@@ -50,7 +50,7 @@ class Estimate:
 
 
 def clock_text(seconds):
-    """A duration as h:mm:ss or m:ss."""
+    """Return a duration as h:mm:ss or m:ss."""
     whole = max(0, round(seconds))
     hours, minutes = divmod(whole // 60, 60)
     return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

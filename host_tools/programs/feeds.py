@@ -18,7 +18,7 @@ _INCH = 25.4
 
 
 def slow_feeds(rows, seconds):
-    """A hint about units if a job takes over five minutes and every feed is 100 mm/min or less; else "". `rows`: [(number, line)]."""
+    """Return a hint about units if a job takes over five minutes and every feed is 100 mm/min or less; else "". `rows`: [(number, line)]."""
     fastest = fastest_feed(rows, _SLOW_MM_MIN) if seconds > _LONG_S else 0.0
     if not 0 < fastest <= _SLOW_MM_MIN:
         return ""
@@ -29,8 +29,7 @@ def slow_feeds(rows, seconds):
 
 
 def fastest_feed(rows, enough):
-    """The highest feed of G1, G2 and G3 in mm/min; as soon as one is more than `enough`, that one. 0: there is none, or G93 counts
-    feeds otherwise."""
+    """Return the highest feed of G1, G2 and G3 in mm/min; as soon as one is more than `enough`, that one. 0: the program has no feed, or G93."""
     motion, feed, unit, fastest = 0, 0.0, 1.0, 0.0
     for _number, line in rows:
         for letter, text in _WORD.findall(line.upper()):

@@ -31,11 +31,11 @@ class _Heights:
         self._gcode.turns = 1
 
     def z_mm(self):
-        """Of the program, mm."""
+        """Return Z of the program, in mm."""
         return self._board.target[TOOL_AXIS] / _STEPS_PER_MM - self._gcode.offsets.offset_of(self._gcode.system, TOOL_AXIS) / NM
 
     def spindle(self):
-        """3, 4 or 5, as the program has it; 5 without S."""
+        """Return 3, 4 or 5, the spindle's state by the program; 5 without S."""
         return self._gcode.spindle if self._gcode.rpm else _OFF
 
     def carry_out(self, line):
@@ -51,8 +51,9 @@ class _Heights:
 
 
 def without_z(rows, pen=None):
-    """Rows (number, bytes) without Z. `pen`: Z above this height, mm of the program, lifts the pen, else it is down; None: Z means nothing. Raises
-    Failure at the first line in which Z rises with the tool on, if there is no pen, and at the end if there is one that nothing switches."""
+    """Yield rows (number, bytes) without Z. `pen`: Z above this height, mm of the program, lifts the pen, else it is down; None: Z means nothing.
+    Raises Failure at the first line in which Z rises with the tool on, if there is no pen, and at the end if there is a pen that no line
+    switches."""
     heights = _Heights()
     shown = _OFF
     switched = False
@@ -81,7 +82,7 @@ def without_z(rows, pen=None):
 
 
 def leave_out_z(program, drop, pen):
-    """Have a program's rows come without Z, if `drop` or a `pen` asks for that."""
+    """Make a program's rows come without Z, if `drop` or a `pen` asks for that."""
     if drop or pen is not None:
         program.flat = partial(without_z, pen=pen)
 
@@ -93,7 +94,7 @@ def refuse_z(program, has_z):
 
 
 def _drop_z(line):
-    """A line without Z; Z0, which moves nothing, where a command wants an axis word."""
+    """Return a line without Z; where a command wants an axis word, with Z0, which moves nothing."""
     if line[:1] == b"$" or not _Z.search(line):
         return line
     text = _Z.sub(b"", line)

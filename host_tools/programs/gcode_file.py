@@ -7,13 +7,14 @@ from host_tools.programs.program_lines import WrongLetter, job_error, name_lette
 
 
 def read(path, ended=None, job=False):
-    """[(number, bytes)] of the lines to send, without comments, blanks, N words and the program's number. `ended`: see program_lines().
+    """Return [(number, bytes)] of the lines to send, without comments, blanks, N words and the program's number. `ended`: see program_lines().
     `job`: refuse lines that no job may have. Raises Failure."""
     return list((jobs_only if job else iter)(file_lines(path, ended)))
 
 
 def file_lines(path, ended=None):
-    """The same one by one, for files that are too long to keep. Raises Failure as it comes to what is wrong."""
+    """Yield (number, bytes) of the lines to send, for files that are too long to keep. `ended`: see program_lines(). Raises Failure at the first
+    wrong line."""
     try:
         with open(path, "rb") as file:
             first = file.read(FIRST)
@@ -27,7 +28,7 @@ def file_lines(path, ended=None):
 
 
 def lines_of(name, rows, ended=None):
-    """The same of raw lines, bytes."""
+    """Yield (number, bytes) of the lines to send, of raw lines. `ended`: see program_lines(). Raises Failure, which names the file `name`."""
     empty = True
     try:
         for row in program_lines(rows, ended):
@@ -40,13 +41,13 @@ def lines_of(name, rows, ended=None):
 
 
 def wrong_letter(name, wrong):
-    """The Failure of a WrongLetter."""
+    """Return the Failure that explains a WrongLetter."""
     shown = f"“{wrong.letter}” " if wrong.letter.isprintable() else ""
     return Failure("{}: line {}: {}({}) is no letter of G-code: only a comment may have it", name, wrong.number, shown, name_letter(wrong.letter))
 
 
 def jobs_only(rows):
-    """The rows again. Raises Failure at the first that no job may have."""
+    """Yield the rows. Raises Failure at the first row that no job may have."""
     for number, line in rows:
         error = job_error(line)
         if error:
@@ -72,7 +73,7 @@ def _no_text(path):
 
 
 def last_number(path):
-    """How many lines a file has, of all kinds. Raises Failure."""
+    """Return the number of lines in a file, of all kinds. Raises Failure if it cannot be read."""
     try:
         with open(path, "rb") as file:
             return sum(len(raw.splitlines()) for raw in file)
@@ -81,7 +82,7 @@ def last_number(path):
 
 
 def clock_text(seconds):
-    """Seconds as h:mm:ss, or m:ss below an hour."""
+    """Return seconds as h:mm:ss, or m:ss below an hour."""
     minutes, seconds = divmod(int(round(seconds)), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"

@@ -33,7 +33,7 @@ class Limits:
 
     @classmethod
     def of_settings(cls, lines):
-        """From the answer to $$; assumes defaults for missing settings."""
+        """Make Limits of the answer to $$; assumes defaults for missing settings."""
         values = settings_of(lines)
         return cls(
             [values.get(110 + axis, _DEFAULT_SPEED) / 60 for axis in range(4)],
@@ -42,13 +42,13 @@ class Limits:
 
     @classmethod
     def of_board(cls, board):
-        """From a board file's dict. Axes that it does not have are as the last one."""
+        """Make Limits of a board file's dict. An axis that it does not have gets the limits of the last one."""
         axes = [board["axes"][min(axis, len(board["axes"]) - 1)] for axis in range(4)]
         return cls([axis["max_mm_min"] / 60 for axis in axes], [axis["accel_mm_s2"] for axis in axes])
 
 
 def settings_of(lines):
-    """{number: value} of the answer to $$."""
+    """Return {number: value} of the answer to $$."""
     return {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(lines))}
 
 
@@ -65,12 +65,12 @@ class _State:
         self.place = [0.0] * 4
 
     def is_plain(self):
-        """Whether X is a place in mm, and where a straight line goes."""
+        """True if X is a position in mm, and a line of X alone is straight."""
         return self.motion < 2 and self.scale == 1.0 and not self.relative and not self.inverse
 
 
 def estimate_seconds(lines, limits):
-    """Seconds that each of [(number, bytes)] takes."""
+    """Return the seconds that each of [(number, bytes)] takes."""
     state = _State()
     seconds = []
     run = []  # (index, length, speed, acceleration) of lines between two stands
@@ -112,7 +112,7 @@ def _add_run(seconds, run):
 
 
 def _path_limits(deltas, length, limits):
-    """Highest speed and acceleration along a path with these axis distances."""
+    """Return the highest speed (mm/s) and acceleration (mm/s²) along a path with these axis distances."""
     shares = [abs(delta) / length for delta in deltas]
     return tuple(
         min(bound / share for bound, share in zip(bounds, shares) if share > 1e-9)
@@ -121,7 +121,7 @@ def _path_limits(deltas, length, limits):
 
 
 def _along_x(match, state):
-    """The same as _read_line() for a line of X alone."""
+    """Read a line that moves X alone; return the same as _read_line()."""
     if match[1]:
         state.motion = int(match[1])
     x, begun = float(match[2]), state.place[0]
@@ -133,7 +133,7 @@ def _along_x(match, state):
 
 
 def _read_line(line, state):
-    """(seconds of dwell, None or (length, way of each axis, direction in, direction out, rapid, moves a minute))."""
+    """Read one line; return (seconds of dwell, None or (length, way of each axis, direction in, direction out, rapid, moves a minute)), in mm."""
     if line.startswith(b"$"):
         return 0.0, None
     words = [(letter, float(value)) for letter, value in _WORD.findall(line) if value.strip(b"+-.")]
@@ -174,7 +174,7 @@ def _read_line(line, state):
 
 
 def _arc_length(begun, target, values, state):
-    """(length, way of each axis, direction in, direction out) of an arc or a helix."""
+    """Return (length, way of each axis, direction in, direction out) of an arc or a helix, in mm."""
     first, second, third = state.plane
     across = target[first] - begun[first], target[second] - begun[second]
     clockwise = state.motion == 2
@@ -226,6 +226,7 @@ class Remaining:
         self.share = 0.0
 
     def seconds_left(self, index, gone_s):
+        """Return the seconds left in line `index` of the list, `gone_s` after the start. Sets `share`."""
         total = self._until[-1]
         index = min(index, len(self._seconds))
         if index != self._index:

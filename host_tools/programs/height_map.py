@@ -35,7 +35,7 @@ class Grid:
         self.heights = []
 
     def probe_points(self):
-        """(x, y) as they are touched: row after row, to and fro."""
+        """Return the points (x, y), mm, in the order in which they are touched: row after row, to and fro."""
         found = []
         for row in range(self.rows):
             columns = range(self.columns) if row % 2 == 0 else range(self.columns - 1, -1, -1)
@@ -43,20 +43,22 @@ class Grid:
         return found
 
     def probing_lines(self, safe, deep, feed):
-        """Lines of the job that touches every point, from `safe` mm above zero of Z to `deep` below it."""
+        """Return the lines of a job that touches every point, from `safe` mm above zero of Z to `deep` mm below it, at `feed` mm/min."""
         lines = ["G21 G90 G94", "G0 Z%.3f" % safe]
         for x, y in self.probe_points():
             lines += ["G0 X%.3f Y%.3f" % (x, y), "G38.2 Z%.3f F%.1f" % (-deep, feed), "G0 Z%.3f" % safe]
         return lines
 
     def is_whole(self):
+        """True if every point has a height."""
         return len(self.heights) == self.columns * self.rows
 
     def height_of(self, column, row):
-        """Height of a point, by its column and row."""
+        """Return the height of a point in mm, by its column and row."""
         return self.heights[row * self.columns + (column if row % 2 == 0 else self.columns - 1 - column)]
 
     def height_at(self, x, y):
+        """Return the height of the surface at x, y in mm: bilinear between the four points around it, at the edge that of the edge."""
         across, column = _cell_part((x - self.x0) / self.dx, self.columns)
         along, row = _cell_part((y - self.y0) / self.dy, self.rows)
         low = self.height_of(column, row) * (1 - across) + self.height_of(column + 1, row) * across
@@ -64,19 +66,19 @@ class Grid:
         return low * (1 - along) + high * along
 
     def longest_piece(self):
-        """Longest piece of a levelled move, mm."""
+        """Return the length of the longest piece of a levelled move, in mm."""
         return max(_LEAST_PIECE_MM, min(abs(self.dx), abs(self.dy)) / 4)
 
 
 def _cell_part(value, count):
-    """(part of a cell, its number) of a coordinate in cells."""
+    """Return (part of a cell, its number) of a coordinate in cells."""
     value = min(max(value, 0.0), count - 1.0)
     cell = min(int(value), count - 2)
     return value - cell, cell
 
 
 def _words_of(line):
-    """[(letter, number)] of a line of program_lines(). Raises ValueError."""
+    """Return [(letter, number)] of a line of program_lines(). Raises ValueError."""
     found = []
     text = line.upper().replace(" ", "")
     at = 0
@@ -157,7 +159,7 @@ class _Levelled:
             others = ""
 
     def _other_words(self, words):
-        """Words that stay as they are: those of the motion are made anew; units are mm."""
+        """Return the words that stay as they are. Those of the motion are made anew, because units become mm."""
         told = ""
         for letter, value in words:
             if letter == "G" and value in (0, 1, 2, 3):
@@ -214,7 +216,7 @@ class _Levelled:
 
 
 def level_job(text, grid):
-    """A job's text that follows a map. Raises Unfollowed."""
+    """Return a job's text with Z moved by the map's heights. Raises Unfollowed."""
     levelled = _Levelled(grid)
     levelled.lines.append("G21 G90")
     try:

@@ -32,7 +32,7 @@ class Job:
 
     @property
     def start(self):
-        """(object, points of it drawn) to begin at."""
+        """The (object, points of it drawn) at which to begin."""
         return (self.journal.object, self.journal.drawn) if self.journal else self._at
 
     def begin(self, spot):
@@ -77,8 +77,8 @@ class Job:
         stored = 0
 
         def count_drawn(status):
-            """Points of this object drawn for certain. Until its first point is stored, the controller still counts the
-            previous object."""
+            """Return the points of this object that are drawn for certain. Until its first point is stored, the controller still counts the previous
+            object."""
             sure = min(status["drawn"] - client.repeated_points, stored) - lead
             return skip + max(sure, 0)
 
@@ -111,7 +111,7 @@ class Job:
             progress(number + 1, 0)
 
     def progress_text(self):
-        """Progress as text."""
+        """Return the progress as text: points drawn, of how many."""
         number, drawn = self._at
         points = sum(len(points) for points in self.objects[:number]) + drawn
         return _("{} of {} points", points, sum(map(len, self.objects)))
@@ -131,10 +131,8 @@ class Job:
 
 
 def remaining_points(points, drawn):
-    """The rest of an object whose first `drawn` points are drawn, and how many points were put before it.
-
-    A line that was interrupted is drawn again from its start: a MOVE leads to the last point drawn.
-    """
+    """Return the rest of an object whose first `drawn` points are drawn, and how many points were put before it. An interrupted line is drawn again
+    from its start: a MOVE leads to the last point drawn."""
     rest = points[drawn:]
     if drawn and rest and rest[0][0]:
         return [(False, *points[drawn - 1][1:]), *rest], 1

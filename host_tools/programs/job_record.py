@@ -19,7 +19,7 @@ class Record(NamedTuple):
 
     @classmethod
     def of_answer(cls, said):
-        """The record in the lines that answer `$JR`. Raises Failure."""
+        """Read the record in the lines that answer `$JR`. Raises Failure if there is none."""
         found = _JOURNAL.search("\n".join(said))
         if not found:
             raise Failure("the board does not say where its job is")
@@ -27,7 +27,7 @@ class Record(NamedTuple):
 
     @classmethod
     def of_job(cls, said):
-        """The same. Raises Failure too if the journal is empty."""
+        """Read the record in the lines that answer `$JR`. Raises Failure also if the journal is empty."""
         record = cls.of_answer(said)
         if not record.job:
             raise Failure("the board's journal is empty: no program was interrupted")
@@ -39,7 +39,7 @@ class Record(NamedTuple):
 
     @property
     def is_known(self):
-        """The machine's position is known."""
+        """True if the machine's position is known."""
         return bool(self.flags & KNOWN)
 
 

@@ -24,19 +24,19 @@ class Journal:
 
     @staticmethod
     def path_beside(drawing_path):
-        """The journal's usual place."""
+        """Return the usual path of the journal: beside the drawing."""
         return Path(str(drawing_path) + ".journal")
 
     @staticmethod
     def options_of(path):
-        """The options that a drawing was begun with, by its file; {} if there is none."""
+        """Return the options with which a drawing was begun, by its journal's file; {} if there is none."""
         try:
             return dict(json.loads(Path(path).read_text(encoding="utf-8")).get("options", {}))
         except (OSError, ValueError, AttributeError, TypeError):
             return {}
 
     def save_progress(self, number, drawn=0):
-        """Note that objects before `number` are drawn, and the first `drawn` points of that one."""
+        """Note that objects before `number` are drawn, and the first `drawn` points of that one. Raises Failure."""
         self.object, self.drawn = number, drawn
         record = {"digest": self.digest, "points_per_object": self.most, "object": number, "drawn": drawn, "options": self.options}
         try:
@@ -74,7 +74,7 @@ class Journal:
         self.check_writable()
 
     def _load_file(self):
-        """Read the file; True if anything is drawn. Raises Failure."""
+        """Read the file; return True if anything is drawn. Raises Failure."""
         try:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             digest, number, drawn = record["digest"], int(record["object"]), int(record["drawn"])
@@ -92,5 +92,5 @@ class Journal:
         return number > 0 or drawn > 0
 
     def remove_file(self):
-        """The drawing is done: the journal is not needed any more."""
+        """Remove the file: the drawing is done."""
         self.path.unlink(missing_ok=True)

@@ -52,21 +52,21 @@ class Listing:
             self.strokes.append(stroke)
 
     def begin(self, code):
-        """Put a line before all others: the state that they count on."""
+        """Put a line before all others, which sets the state that they rely on."""
         self.codes.insert(0, code)
         self.sources.insert(0, self.sources[0])
 
     def lines(self):
-        """[(number in the listing, bytes)]"""
+        """Return [(number in the listing, bytes)]."""
         return [(number, code.replace(" ", "").encode()) for number, code in enumerate(self.codes, 1)]
 
     def origin(self, number):
-        """The line of the program that line `number` of the listing comes from, as text; "" if there is no such line."""
+        """Return the line of the program from which line `number` of the listing comes, as text; "" if there is no such line."""
         return str(self.sources[number - 1]) if 0 < number <= len(self.sources) else ""
 
     def text(self, texts):
-        """The listing as a file. `texts`: {file: its lines}. Behind each line stands the program's line as a comment; its text
-        when it is not that of the line before."""
+        """Return the listing as a file. `texts`: {file: its lines}. Behind each line stands the program's line as a comment; its text only if the
+        line before comes from another one."""
         rows = []
         before = None
         for code, source in zip(self.codes, self.sources):

@@ -56,7 +56,7 @@ class LongFile:
             raise Failure("{} has no command", path)
 
     def _read_blocks(self, state):
-        """(state, bytes) of each block from `state` on; none ends amid a number."""
+        """Yield (state, bytes) of each block from `state` on; none ends amid a number."""
         at = state.at
         try:
             with open(self._path, "rb") as file:
@@ -105,7 +105,7 @@ class LongFile:
             return file.read(end - begin)
 
     def _state_after(self, state, block):
-        """The state behind `block`."""
+        """Return the State behind `block`."""
         codes = np.frombuffer(block, np.uint8)
         counts = np.bincount(codes, minlength=256)
         place = tuple(int(here + counts @ self._vectors[1][axis]) for axis, here in enumerate(state.place))
@@ -118,7 +118,7 @@ class LongFile:
     # --- what can be asked
 
     def seek(self, number):
-        """The State before command `number`, 0 … total. Raises Failure."""
+        """Return the State before command `number`, 0 … total. Raises Failure."""
         if not 0 <= number <= self.total:
             raise Failure("{} has {} commands: there is no place {}", self._path, self.total, number)
         if number == self.total:
@@ -131,7 +131,7 @@ class LongFile:
         return self._state_after(state, block[:at])
 
     def play_forward(self, number=0, times=1):
-        """Chunks of bytes from command `number` to the end, and `times` − 1 times the whole file behind that."""
+        """Yield chunks of bytes from command `number` to the end, and `times` − 1 times the whole file behind that."""
         state = self.seek(number)
         yield self._lead_codes(state, False)
         for _ in range(times):
@@ -140,7 +140,7 @@ class LongFile:
             state = self._index[0]
 
     def play_backward(self, number=None):
-        """Chunks of bytes that lead back from command `number`, by default the end, to the start."""
+        """Yield chunks of bytes that lead back from command `number`, by default the end, to the start."""
         state = self.seek(self.total if number is None else number)
         yield self._lead_codes(state, True)
         for index in range(len(self._index) - 1, -1, -1):
@@ -152,14 +152,14 @@ class LongFile:
             yield b"]"  # as before the file's first [
 
     def job_number(self):
-        """By which a board's journal knows this file: the CRC-32 of its codes, as those of a stored job."""
+        """Return the number by which a board's journal knows this file: the CRC-32 of its codes, as of a stored job."""
         crc = 0
         for _, block in self._read_blocks(self._index[0]):
             crc = zlib.crc32(codes_of(block), crc)
         return crc or 1
 
     def highest_steps(self):
-        """The highest place of the last axis, steps from the file's start."""
+        """Return the highest position of the last axis, in steps from the file's start."""
         steps = self._vectors[1][-1]
         tops = [0]
         for state, block in self._read_blocks(self._index[0]):
@@ -167,19 +167,19 @@ class LongFile:
         return max(tops)
 
     def lead_of(self, number, backward):
-        """How many commands make the state at `number`, in front of those of the file."""
+        """Return how many commands set the state at `number`, in front of those of the file."""
         codes = self._lead_codes(self.seek(number), backward)
         return int(np.isin(np.frombuffer(codes, np.uint8), _COMMANDS).sum())
 
     def _lead_codes(self, state, backward):
-        """The codes that make a state. Backward the drives are on, as they were on the way forward."""
+        """Return the codes that set a state. Backward the drives are on, as they were on the way forward."""
         if not state.number:
             return b""
         drives = b"[" if backward and self.powers and state.drives else state.drives
         return drives + state.speed + state.tool
 
     def _reverse_block(self, begin, block):
-        """A block played backward."""
+        """Return the codes that play a block backward."""
         state = State(begin.at, 0, begin.place, begin.tool, begin.speed, begin.drives)
         parts = []
         for token in _TOKEN.finditer(block):
@@ -197,12 +197,12 @@ class LongFile:
 
 
 def codes_of(data):
-    """A pulse file without its blanks."""
+    """Return the bytes of a pulse file without its blanks."""
     return data.translate(None, _BLANK)
 
 
 def _note_code(state, text):
-    """A code that makes state. `+0` leaves the speed to the operator: the one before it is the best guess."""
+    """Change `state` by a code that sets one. `+0` leaves the speed to the operator: the one before it is the best guess."""
     if text in (b"(", b")"):
         state.tool = text
     elif text in (b"[", b"]"):
@@ -212,7 +212,7 @@ def _note_code(state, text):
 
 
 def _step_vectors(axes):
-    """(the codes and blanks that are allowed, the steps of each axis by byte)."""
+    """Return (the codes and blanks that are allowed, the steps of each axis by byte)."""
     from passo.protocols.pulses.codes import CODES
 
     steps = np.zeros((axes, 256), np.int64)
@@ -227,7 +227,7 @@ def _step_vectors(axes):
 
 
 def _mirror_table():
-    """Each letter's opposite."""
+    """Return the table that translates each step's code to that of the opposite step."""
     from host_tools.programs.pulse_file import letter_of
     from passo.protocols.pulses.codes import CODES
 

@@ -22,9 +22,9 @@ COILS_HZ = 5000
 _LOOK = """
 witness = Witness({base}, {width}, RECORDS)
 other = Witness({pin}, 1, bytearray(256), 5)
-pull({pin}, {rest})
+set_pull({pin}, {rest})
 sleep_ms(5)
-clear()
+clear_stop()
 gc.collect()
 """
 

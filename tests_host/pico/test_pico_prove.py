@@ -162,7 +162,7 @@ def test_the_witness_sees_what_the_emulator_sees(board, show):
         for log in logs:
             log.clear()
         (_, taken, _), records = pins.run_on_board(proof, f"play({lines!r}, witness)")
-        seen = pins.edges.decode(pins.records_printed(records[:-1]), 6) if witnessed else []
+        seen = pins.edges.decode_records(pins.records_printed(records[:-1]), 6) if witnessed else []
         return seen, sorted((cycle, bit, state) for bit, log in enumerate(logs) for cycle, state in log), taken
 
     seen, log, _taken = on_a_copy(lambda: measured(True))
