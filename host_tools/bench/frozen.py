@@ -14,7 +14,7 @@ from host_tools.emulator.queries import Asking
 
 
 def measure_frozen():
-    """Both, side by side."""
+    """Measure stock MicroPython and Passo's UF2, side by side. Returns (header, rows)."""
     uf2 = find_frozen("rp2040")
     rows = []
     for mhz in CLOCKS_MHZ:
@@ -24,7 +24,7 @@ def measure_frozen():
 
 
 def _makers_of(uf2):
-    """How a machine is made that waits for lines, and one as flashed."""
+    """Return (function that makes a machine which waits for lines, function that makes one as flashed)."""
     return (lambda board, texts: boot_for_lines(board, uf2, texts)), (lambda board, **options: frozen_machine(board, uf2, **options))
 
 
@@ -43,7 +43,7 @@ def _measure_figures(mhz, waiting, flashed):
 
 
 def _boot_flashed(mhz, flashed):
-    """(machine, Asking) of the board as flashed, started and unlocked."""
+    """Boot the board as flashed, and unlock it; return (machine, Asking)."""
     machine = flashed({**copy.deepcopy(boards.load("router_3axis")), "commands": "pc", "clock_mhz": mhz}, trace=None).boot()
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(100)

@@ -26,13 +26,13 @@ _SECTION = re.compile(r"^ (\.(?:text|rodata)\.\S+)\s+0x([0-9a-f]+)\s+0x([0-9a-f]
 
 
 def sections_of(text):
-    """[(address, bytes, name)] of a linker's map, those in flash whose names tell them apart."""
+    """Return [(address, bytes, name)] of a linker's map, those in flash whose names tell them apart."""
     found = [(int(address, 16), int(size, 16), name) for name, address, size in _SECTION.findall(text)]
     return sorted((address, size, name) for address, size, name in found if _FLASH <= address < _FLASH_END and size)
 
 
 def hottest_names(counts, found):
-    """Names of sections by their accesses a byte, as many as make SHARE of all. `counts`: accesses of each line of the flash."""
+    """Return the names of sections by their accesses a byte, as many as make SHARE of all. `counts`: accesses of each line of the flash."""
     starts = [address for address, _, _ in found]
     each, sizes = Counter(), Counter()
     for line, count in enumerate(counts):
@@ -51,7 +51,7 @@ def hottest_names(counts, found):
 
 
 def count_shares(machine, work):
-    """Accesses of each line of the flash while `work(machine)` goes on, as shares of all."""
+    """Count the accesses of each line of the flash during `work(machine)`; return them as shares of all."""
     counts = machine.pico.flash_cache.watch_lines()
     work(machine)
     total = sum(counts)
@@ -59,7 +59,7 @@ def count_shares(machine, work):
 
 
 def ask_while_moving(machine):
-    """`?` again and again while lines are stepped."""
+    """Ask `?` again and again while lines are stepped."""
     asking = Asking(machine, machine.board["links"][0]["name"])
     asking.stream_lines([b"$X\n", b"G21G91F3000\n", *[b"G1X0.5Y0.4\n", b"G1X-0.5Y-0.4\n"] * 400])
     for _ in range(40):
@@ -68,7 +68,7 @@ def ask_while_moving(machine):
 
 
 def move_and_hold(machine):
-    """The work of first steps, and of holds while lines are stepped."""
+    """Do the work of first steps, and of holds while lines are stepped."""
     gcode.talk_to(machine)
     gcode.time_first_steps(machine, 4)
     gcode.time_holds(machine, 2)

@@ -36,12 +36,12 @@ _TIMEOUT_S = 600
 
 
 def _script_environment():
-    """The environment of a script under MicroPython, which imports the firmware and the tests."""
+    """Return the environment of a script under MicroPython, which imports the firmware and the tests."""
     return interpreter.environment(unix_tree(), *_FOLDERS)
 
 
 def _script_command(program, script, *arguments):
-    """A script of tests_host/properties and its arguments, under CPython or MicroPython."""
+    """Return the command of a script of tests_host/properties and its arguments, under CPython or MicroPython."""
     heap = ["-X", "heapsize=64m"] if program is MICROPYTHON else []
     return [*program, *heap, TESTS / "properties" / script, *map(str, arguments)]
 
@@ -51,7 +51,7 @@ def _available_interpreters():
 
 
 def measure_lines():
-    """Integer lines against floating-point lines, on the objects of 2014, under two interpreters."""
+    """Compare integer lines with floating-point lines, on the objects of 2014, under two interpreters."""
     from host_tools.drawings.objects import objects
 
     corners = "".join(
@@ -91,7 +91,7 @@ def _run_lines(program, corners):
 
 
 def measure_fuzz():
-    """A million lines and byte streams on the grbl link; PASSO_FUZZ_LINES is another number."""
+    """Send a million lines and byte streams to the grbl link; PASSO_FUZZ_LINES is another number."""
     count = int(os.environ.get("PASSO_FUZZ_LINES", 1_000_000))
     shares = [("CPython", CPYTHON, count * 2 // 5, seed) for seed in (1, 2)]
     if MICROPYTHON:
@@ -104,7 +104,7 @@ def measure_fuzz():
 
 
 def _run_fuzz(program, count, seed):
-    """[lines, refused, resets] of tests_host/properties/fuzz_grbl.py."""
+    """Return [lines, refused, resets] of tests_host/properties/fuzz_grbl.py."""
     command = _script_command(program, "fuzz_grbl.py", count, seed)
     done = subprocess.run(command, env=_script_environment(), capture_output=True, text=True)
     if done.returncode:
@@ -113,7 +113,7 @@ def _run_fuzz(program, count, seed):
 
 
 def measure_motion():
-    """The limits over random programmes, half of them under each interpreter; PASSO_SOAK_PROGRAMMES is how many."""
+    """Check the limits over random programmes, half of them under each interpreter; PASSO_SOAK_PROGRAMMES is how many."""
     count = int(os.environ.get("PASSO_SOAK_PROGRAMMES", 10_000))
     rows = []
     programs = list(_available_interpreters().items())
@@ -125,7 +125,7 @@ def measure_motion():
 
 
 def measure_arcs():
-    """Every radius to 2000, and random ones to 2²⁰, under two interpreters."""
+    """Walk every radius to 2000, and random ones to 2²⁰, under two interpreters."""
     rows = []
     for name, program in _available_interpreters().items():
         chunks = [(program, "soak_circle.py", first, first + 99) for first in range(1, 2001, 100)]
@@ -157,7 +157,7 @@ def _run_soak(chunk):
 
 
 def _on_the_pico(part):
-    """Measure the part without and with the flash cache, in two processes at the same time."""
+    """Return a function that measures the part without and with the flash cache, in two processes at the same time."""
 
     def measure_part():
         binary.load_emulator()
@@ -173,7 +173,7 @@ def _on_the_pico(part):
 
 
 def _run_apart(part, miss):
-    """(header, rows) of a part of the Pico if a miss of the flash cache costs `miss` cycles."""
+    """Return (header, rows) of a part of the Pico if a miss of the flash cache costs `miss` cycles."""
     command = [*interpreter.python(), "-m", "host_tools.bench", "--raw", part]
     done = subprocess.run(command, env=dict(os.environ, PASSO_FLASH_MISS=str(miss)), stdout=subprocess.PIPE, text=True)
     if done.returncode == UNAVAILABLE:
@@ -231,14 +231,14 @@ LONG = ("motion", "arcs")
 
 
 def markdown_table(header, rows):
-    """A table for the document: text to the left, figures to the right."""
+    """Return a table for the document: text to the left, figures to the right."""
     text = [f"| {' | '.join(str(cell) for cell in row)} |" for row in [header, ["---", *["---:"] * (len(header) - 1)],
                                                                         *rows]]
     return "\n".join(text)
 
 
 def replace_part(document, part, table):
-    """`document` with the part between `<!-- bench:PART -->` and `<!-- /bench:PART -->` replaced."""
+    """Return `document` with the part between `<!-- bench:PART -->` and `<!-- /bench:PART -->` replaced."""
     pattern = re.compile(rf"(<!-- bench:{part} -->\n).*?(<!-- /bench:{part} -->)", re.DOTALL)
     if not pattern.search(document):
         raise Failure(f"{DOCUMENT.name} has no place for the bench {part!r}")
@@ -246,13 +246,13 @@ def replace_part(document, part, table):
 
 
 def date_part(document, part, measured):
-    """`document` with the line below this part that says when it was measured."""
+    """Return `document` with the line below this part that says when it was measured."""
     pattern = re.compile(rf"(<!-- /bench:{part} -->\n)(?:\nMeasured [^\n]*\n)?")
     return pattern.sub(lambda found: f"{found[1]}\nMeasured {measured}.\n", document)
 
 
 def now_text():
-    """The day and the commit that is measured, if this is a clone of the repository."""
+    """Return the day and the commit that is measured, if this is a clone of the repository."""
     day = time.strftime("on %Y-%m-%d")
     try:
         done = subprocess.run(["git", "rev-parse", "--short=8", "HEAD"], cwd=ROOT, capture_output=True, text=True)
@@ -307,7 +307,7 @@ def main(wanted):
 
 
 def run():
-    """The command: failures become one line on stderr and an exit status."""
+    """Run the command: failures become one line on stderr and an exit status."""
     try:
         main(sys.argv[1:])
     except Failure as failure:

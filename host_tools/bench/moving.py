@@ -30,7 +30,7 @@ def _percentile_99(values):
 
 
 def measure_stops():
-    """Halting inputs at random moments, and lines taken up again."""
+    """Halt at random moments by inputs, and resume lines. Returns (header, rows)."""
     boot_rig()
     rows = [
         ("first pin", *_stops_row(on_a_copy(lambda: _measure_stops(halting.PLAYER_PIN)))),
@@ -81,7 +81,7 @@ def _resume_after_halts():
 
 
 def measure_queries():
-    """Time that the main loop spends on asking for the position while axes step."""
+    """Measure the time that the main loop spends on asking for the position while axes step. Returns (header, rows)."""
     boot_rig()
     rows = []
     for axes, hz in ((3, 100_000), (1, 400_000), (3, 400_000)):
@@ -94,8 +94,8 @@ def measure_queries():
 
 
 def measure_status():
-    """From `?` on a link to the first byte of the answer: while three axes step at 100 kHz, and while lines come as fast as
-    the machine of the board file takes them."""
+    """Measure the time from `?` on a link to the first byte of the answer: while three axes step at 100 kHz, and while lines come as fast as the
+    machine of the board file takes them. Returns (header, rows)."""
     rows = []
     for link, name in (("pc", "USB"), ("serial", "UART, 115 200 baud")):
         for mhz in CLOCKS_MHZ:
@@ -112,7 +112,7 @@ def measure_status():
 
 @lru_cache
 def as_flashed(link, clock_mhz):
-    """(machine, Asking) of router_3axis, started and unlocked; lines come from `link`."""
+    """Boot router_3axis, and unlock it; lines come from `link`. Returns (machine, Asking)."""
     board = {**copy.deepcopy(boards.load("router_3axis")), "commands": link, "clock_mhz": clock_mhz}
     machine = EmulatedMachine(board, trace=None).boot()
     machine.pico.console.expect(b"Grbl")
@@ -130,7 +130,7 @@ def _tiny_lines():
 
 @lru_cache
 def boot_router(link, clock_mhz=200):
-    """The router with faster drivers, started; lines come from `link`. No homing, so it is not locked."""
+    """Boot the router with faster drivers; lines come from `link`. It has no homing, so it is not locked. Returns (machine, Asking)."""
     board = copy.deepcopy(boards.load("router_3axis"))
     board["commands"] = link
     board["clock_mhz"] = clock_mhz
@@ -153,13 +153,13 @@ def long_lines():
 
 
 def _short_lines():
-    """Lines that follow each other in a straight path, there and back."""
+    """Return lines that follow each other in a straight path, there and back."""
     stations = [*range(SHORT_UM, 290_000, SHORT_UM)]
     return [("X%.3fY%.3fZ%.3f\n" % ((um / 1000,) * 3)).encode() for um in (stations + stations[-2::-1]) * 4]
 
 
 def time_answers(asked, lines, count=ANSWERS):
-    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped; `asked`: boot_router()."""
+    """Return the milliseconds from `?` to its answer, asked at random moments while `lines` are stepped; `asked`: boot_router()."""
     machine, asking = asked
     random = Random(ANSWERS)
     asking.stream_lines(lines)

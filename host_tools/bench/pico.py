@@ -25,18 +25,18 @@ GCODE_LINKS = {"pc": "USB", "serial": "a UART of 115 200 baud"}  # of router_3ax
 
 @lru_cache
 def boot_rig(player="pio", axes=3):
-    """The rig, made once; measurements run on copies of it."""
+    """Boot the rig, once; measurements run on copies of it."""
     return Rig(router_board(axes, player=player, inputs=halting.INPUTS))
 
 
 def constant_lines(hz, axes):
-    """Lines at a constant rate, as after a ramp; words at the full rate from rest would be made when they are due."""
+    """Return lines at a constant rate, as after a ramp; words at the full rate from rest would be made when they are due."""
     return [(tuple(int(rate * seconds) * (axis < axes) for axis in range(max(axes, 3))), rate)
             for rate, seconds in ((START_HZ, START_S), (hz, LINE_S))]
 
 
 def measure_pulses():
-    """Rates of one axis, of three and of four, while points arrive and garbage is collected without pause."""
+    """Measure rates of one axis, of three and of four, while points arrive and garbage is collected without pause."""
     rows = []
     for axes, rates in ((1, (10, 50, 100, 200, 250, 480)), (3, (10, 50, 100, 200, 400, 480)), (4, (400, 480))):
         boot_rig(axes=max(axes, 3))
@@ -68,7 +68,7 @@ LATENESS_US = (0, 1, 2, 3, 5)  # lower ends of its classes
 
 
 def measure_timer():
-    """The timer-interrupt player: how late its edges come while garbage is collected without pause."""
+    """Measure how late the edges of the timer-interrupt player come while garbage is collected without pause."""
     boot_rig("timer")
     rows = [on_a_copy(lambda: _run_timer(axes, khz)) for axes in (1, 3) for khz in TIMER_KHZ]
     classes = [f"{low}–{high} µs" for low, high in zip(LATENESS_US, LATENESS_US[1:])] + [f"over {LATENESS_US[-1]} µs"]
@@ -87,7 +87,7 @@ def _run_timer(axes, khz):
 
 
 def measure_boot():
-    """Each board file for a Pico on stock MicroPython, and with Passo's UF2: time from reset to the main loop, to the first answer, and the
+    """Boot each board file for a Pico on stock MicroPython, and with Passo's UF2: time from reset to the main loop, to the first answer, and the
     heap then."""
     uf2 = find_frozen("rp2040")
     rows = []
@@ -140,7 +140,7 @@ def _first_ms(machine, language):
 
 
 def measure_links():
-    """Points a second over UART and USB, many packets under way and one by one, idle and while three axes step."""
+    """Measure points a second over UART and USB, many packets under way and one by one, idle and while three axes step."""
     rows = []
     for name, chip, baud in (("UART, 57 600 baud", boot_rig, 57_600), ("UART, 115 200 baud", boot_rig, 115_200), ("USB", usb_rig, 0)):
         machine = chip()
@@ -153,7 +153,7 @@ def measure_links():
 
 
 def measure_gcode():
-    """G-code lines a second from memory and over each link, while they are stepped; and how long a command and a feed hold wait over USB."""
+    """Measure G-code lines a second from memory and over each link, while they are stepped; and how long a command and a feed hold wait over USB."""
     rows = [(what, mhz, *figures) for mhz in CLOCKS_MHZ for what, *figures in _gcode_rows(mhz)]
     return ("G-code on router_3axis", "MHz", "asked", "measured", "blocks ahead, least", "words late"), rows
 

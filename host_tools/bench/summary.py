@@ -24,16 +24,16 @@ class Tables:
         return [dict(zip(names, row)) for row in rows]
 
     def row(self, part, *cells):
-        """The row that begins with these cells."""
+        """Return the row that begins with these cells."""
         return next(row for row in self.rows(part) if tuple(row.values())[: len(cells)] == cells)
 
     def row_with_cache(self, part, *cells):
-        """The same row with the flash cache: itself, where its figures stand side by side; the next one, where rows follow each other."""
+        """Return the row with the flash cache: itself, if its figures stand side by side; the next one, if rows follow each other."""
         row = self.row(part, *cells)
         return self.row(part, *cells, "yes") if row.get("flash cache") == "no" else row
 
     def promise_text(self, figure):
-        """The text of the figure's row at the top in the column of its promise."""
+        """Return the text of the figure's row at the top in the column of its promise."""
         return re.search(rf"^\| {re.escape(figure)} \| ([^|\n]*) \|", self._document, re.MULTILINE)[1]
 
 
@@ -65,7 +65,7 @@ def _timer_text(tables):
 
 
 def _halt_text(tables, by, figure):
-    """The worst of the row `by`, and by which way of measuring it is over the `figure`'s must."""
+    """Return the worst of the row `by`, and by which way of measuring it is over the `figure`'s must."""
     row, must = tables.row("stops", by), tables.promise_text(figure)
     free, charged = row["worst"], with_cache(tables.row_with_cache("stops", by), "worst")
     must_us = float(must.removesuffix(" µs"))
@@ -109,7 +109,7 @@ def _status_text(tables):
 
 
 def _gcode_text(template, *names):
-    """The figures at 125 MHz of the rows with these names, then those at 200 MHz."""
+    """Return a function of the tables: the figures at 125 MHz of the rows with these names, then those at 200 MHz."""
 
     def fill(tables):
         rows = [next(row for row in tables.rows("gcode") if row["G-code on router_3axis"].startswith(name) and row["MHz"] == mhz)
@@ -180,7 +180,7 @@ ROWS = {
 
 
 def summarise(document):
-    """The document with each of these rows as its tables have it. Raises KeyError if there is no such row."""
+    """Return the document with each of these rows as its tables have it. Raises KeyError if there is no such row."""
     tables = Tables(document)
     for figure, measured in ROWS.items():
         row = re.compile(rf"^(\| {re.escape(figure)} \|[^|\n]*\|[^|\n]*\| )[^|\n]*(?= \|)", re.MULTILINE)

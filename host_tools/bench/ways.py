@@ -26,7 +26,7 @@ _NEAR_THE_SENSORS = [1500, 1500, -1500]  # steps from machine zero
 
 @cache
 def _kernel_lines(path):
-    """First lines of the functions that a chip runs as kernels."""
+    """Return the first lines of the functions that a chip runs as kernels."""
     tree = ast.parse(open(path, encoding="utf-8").read())
     made = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.decorator_list]
     return {node.decorator_list[0].lineno for node in made if "viper" in ast.unparse(node.decorator_list[0])}
@@ -67,7 +67,7 @@ class Passed:
 
 
 def _make_machine(*before, start=None):
-    """A router at rest that has carried out `before`, one after the other. `start`: where it stands, in steps."""
+    """Make a router at rest that has carried out `before`, one after the other. `start`: where it stands, in steps."""
     machine = VirtualMachine(_BOARD, trace=None, start=start)
     _unlock_machine(machine)
     for data in before:
@@ -78,7 +78,7 @@ def _make_machine(*before, start=None):
 
 
 def _unlock_machine(machine):
-    """As of a machine that has told that it is not homed, which its first motion does."""
+    """Unlock the machine, and have it forget that it has told that it is not homed, which its first motion does."""
     machine.send(b"$X\n")
     machine.run_ms(1500)
     machine.app.controller.machine.cautious = False
@@ -95,7 +95,7 @@ def _count_until(machine, done):
 
 
 def _count_line(text, *before):
-    """From a line's bytes until the first of its words is in the ring."""
+    """Count from a line's bytes until the first of its words is in the ring."""
     machine = _make_machine(*before)
     ring = machine.port._player._ring
     made = ring.head
@@ -119,13 +119,13 @@ def _amid_motion(text, done):
 
 
 def has_stopped(machine, seen=[]):
-    """Whether the plant has stood for 100 cycles."""
+    """True if the plant has stood for 100 cycles."""
     seen.append(machine.plant.position[:])
     return len(seen) > 100 and seen[-100] == seen[-1]
 
 
 def _count_idle():
-    """The count that most cycles pass; now and then one has more to do."""
+    """Return the count that most idle cycles pass; now and then one has more to do."""
     machine = _make_machine()
     found = []
     for _ in range(100):
@@ -216,5 +216,5 @@ WAYS = {
 
 
 def ways_table():
-    """Header and rows of the table."""
+    """Return header and rows of the table."""
     return ["way", "functions", "files"], [[name, *count()] for name, count in WAYS.items()]

@@ -22,7 +22,7 @@ ORDER = (IN_RAM, *(name for name, _ in _PARTS), OTHERS, ROM, UNNAMED)
 
 
 def load_symbols():
-    """Of the ELF file that PASSO_ELF names, or that lies beside the UF2. Raises Unavailable."""
+    """Read the symbols of the ELF file that PASSO_ELF names, or that lies beside the UF2. Raises Unavailable."""
     path = Path(os.environ.get("PASSO_ELF") or find_uf2().with_suffix(".elf"))
     if not path.is_file():
         raise Unavailable(f"there is no {path}: PASSO_ELF names the ELF file of the UF2 that runs")
@@ -31,7 +31,7 @@ def load_symbols():
 
 @lru_cache
 def measure_parts():
-    """(what, lines, Spent) of lines and of dots, as many as the processor takes."""
+    """Measure lines and dots, as many as the processor takes; return (what, lines, Spent) of both."""
     machine = gcode.fast_router((LENGTH_MM,))
     lines = on_a_copy(lambda: gcode.run_lines(machine, LENGTH_MM, FEED_MM_S, LINES, profiled=True))
     laser = gcode.fast_router((DOTS_MM,), laser=True)
@@ -40,7 +40,7 @@ def measure_parts():
 
 
 def measure_where():
-    """Microseconds of a line of 0.2 mm and of a picture's dot, of the main loop and of interrupts."""
+    """Measure the microseconds of a line of 0.2 mm and of a picture's dot, of the main loop and of interrupts. Returns (header, rows)."""
     names = load_symbols()
     rows = [[part] for part in (*ORDER, "all")]
     header = ["µs of"]

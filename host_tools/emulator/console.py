@@ -29,7 +29,7 @@ class Console:
         self._pico.usb.write(data)
 
     def take_output(self):
-        """The output since the last `take_output`."""
+        """Return the output since the last `take_output`."""
         said = bytes(self.text)
         self.text.clear()
         return said

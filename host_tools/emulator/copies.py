@@ -46,7 +46,7 @@ def on_a_copy(work):
 
 
 def _run_in_child(work, writing):
-    """Never returns."""
+    """Do the work, write its pickled result, and end the process. Never returns."""
     begun = spent[0]
     try:
         try:

@@ -12,10 +12,10 @@ spent = [0]  # by all emulated Picos of this process and its copies
 
 
 def now_cycles(clock):
-    """Cycles since power-on, sleep included."""
+    """Return the cycles since power-on, sleep included."""
     return int(clock.nanos * 0.125 + 0.501)  # a cycle of 150 MHz may end amid two, and is no exact float
 
 
 def delay_ns(nanoseconds):
-    """`nanoseconds`, rounded up to whole cycles."""
+    """Return `nanoseconds`, rounded up to whole cycles."""
     return -(-nanoseconds // CYCLE_NS) * CYCLE_NS

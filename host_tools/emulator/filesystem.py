@@ -21,7 +21,7 @@ WRITTEN_VERSION = 0x0002_0000  # 2.0, which every MicroPython reads
 
 
 def location_of(uf2):
-    """(offset in flash, blocks) of the file system of a MicroPython binary; a Pico's if it does not say."""
+    """Return (offset in flash, blocks) of the file system of a MicroPython binary; a Pico's if it does not say."""
     data = Path(uf2).read_bytes()
     flash = bytearray(FLASH_BYTES)
     for at in range(0, len(data) - 511, 512):
@@ -38,7 +38,7 @@ def location_of(uf2):
 
 
 def _mount_image(image=None, blocks=BLOCKS):
-    """The file system of an image, or a new one."""
+    """Return the file system of an image, or a new one."""
     from littlefs import LittleFS, UserContext
 
     blocks = len(image) // BLOCK_BYTES if image else blocks
@@ -61,7 +61,7 @@ def _mount_image(image=None, blocks=BLOCKS):
 
 
 def make_image(files, blocks=BLOCKS):
-    """The image of {path: bytes}; folders are made as needed."""
+    """Return the image of {path: bytes}; folders are made as needed."""
     system = _mount_image(blocks=blocks)
     for name in sorted(files):
         folder = PurePosixPath(name).parent
@@ -74,7 +74,7 @@ def make_image(files, blocks=BLOCKS):
 
 
 def read_image(image):
-    """{path: bytes} of an image. Raises littlefs.LittleFSError if it holds no file system."""
+    """Return {path: bytes} of an image. Raises littlefs.LittleFSError if it holds no file system."""
     system = _mount_image(image)
     files = {}
     for folder, _, names in system.walk("/"):
@@ -87,6 +87,6 @@ def read_image(image):
 
 
 def folder_files(folder):
-    """{path: bytes} of all files below a folder of the PC."""
+    """Return {path: bytes} of all files below a folder of the PC."""
     folder = Path(folder)
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

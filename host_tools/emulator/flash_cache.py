@@ -136,7 +136,7 @@ class FlashCache:
         ctypes.memset(self.state.tags, 0, ctypes.sizeof(self.state.tags))
 
     def _patch_registers(self):
-        """XIP_CTRL, with its counters as they are."""
+        """Put XIP_CTRL into the chip, with its counters of hits and accesses."""
         control, state, clock, system = self._chip.xip_ctrl, self.state, self._chip.clock, self._system
         read, write, reset = control.read_uint32, control.write_uint32, control.reset
         cleared = [0, 0]  # accesses and hits before the counters were cleared
@@ -169,7 +169,7 @@ class FlashCache:
         control.read_uint32, control.write_uint32, control.reset = read_uint32, write_uint32, restart
 
     def touch_line(self, address):
-        """An access by the processor; the cycles that it waits."""
+        """Note an access by the processor; return the cycles that it waits."""
         state, tags = self.state, self.state.tags
         line = (address & _OFFSET) >> 3
         tag, first = line | _VALID, 2 * (line % SETS)
@@ -234,5 +234,5 @@ class FlashCache:
 
 
 def default_miss_cycles():
-    """Default cost of a miss: PASSO_FLASH_MISS, or 0."""
+    """Return the default cost of a miss: PASSO_FLASH_MISS, or 0."""
     return int(os.environ.get("PASSO_FLASH_MISS") or 0)

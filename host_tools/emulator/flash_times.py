@@ -18,7 +18,7 @@ _SECTORS = 16  # of a block
 
 class FlashTimes:
     def __init__(self, chip, times):
-        """`times`: as set_times() wants them."""
+        """`times`: the arguments of set_times()."""
         self._clock = chip.clock
         self._ssi = ssi = chip.ssi
         self._shift, self._apply = ssi._shift_byte, ssi._apply_command
@@ -27,7 +27,7 @@ class FlashTimes:
         ssi._shift_byte, ssi._apply_command = self._answer_status, self._begin_command
 
     def set_times(self, erase_us, page_us):
-        """µs of a sector's erase and of a page's program, from now on."""
+        """Set the µs of a sector's erase and of a page's program, and reset both counters."""
         self.times = {"erase_us": erase_us, "page_us": page_us}
         self.erased = self.programmed = 0
 

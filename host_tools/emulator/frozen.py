@@ -28,7 +28,7 @@ Start.run = run
 
 
 def find_frozen(name):
-    """The path of the UF2 of this source for a chip. Raises Unavailable."""
+    """Return the path of the UF2 of this source for a chip. Raises Unavailable."""
     path = path_of(name)
     if not path.is_file():
         raise Unavailable("there is no UF2 of this source for the {0}: make uf2 CHIP={0}", name)
@@ -38,18 +38,18 @@ def find_frozen(name):
 
 
 def board_file(board):
-    """{"board.py": …} of a board file's name or path, or of a dict."""
+    """Return {"board.py": …} of a board file's name or path, or of a dict."""
     text = f"BOARD = {board!r}\n".encode() if isinstance(board, dict) else boards.board_py(board)
     return {"board.py": text}
 
 
 def frozen_machine(board, uf2, files=None, **options):
-    """Not booted. `files`: {path: bytes} beside the board file."""
+    """Return an EmulatedMachine with this UF2, not booted. `files`: {path: bytes} beside the board file."""
     return EmulatedMachine(board, {**board_file(board), **(files or {})}, uf2=uf2, **options)
 
 
 def boot_for_lines(board, uf2, texts):
-    """A booted machine that waits for gcode.run_lines(); `texts`: its files."""
+    """Boot a machine that waits for gcode.run_lines(); `texts`: its files."""
     files = {"boot.py": _ATTACH, **line_of_memory(), **texts}
     machine = frozen_machine(board, uf2, files, trace=None).boot()
     machine.pico.console.expect(b"ready")

@@ -110,7 +110,7 @@ def attach(app, port):
 
 
 def chords(length_mm):
-    """(X of the beginning, the bytes of CHORDS lines of this length, a closed path from there, Y50Z-20)."""
+    """Return (X of the beginning, the bytes of CHORDS lines of this length, a closed path from there, Y50Z-20)."""
     radius = length_mm / 2 / sin(pi / CHORDS)
 
     def point_text(chord):
@@ -121,8 +121,8 @@ def chords(length_mm):
 
 
 def raster(dot_mm):
-    """(the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks.) Every
-    seventh dot is dark."""
+    """Return (the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks). Every seventh dot is dark.
+    Return (the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks). Every seventh dot is dark."""
 
     def dots(sign, first, count):
         powers = [(dot * 397 % 999 + 1) if dot % 7 else 0 for dot in range(first, first + count)]
@@ -138,20 +138,20 @@ def raster(dot_mm):
 
 
 def pad_lines(*lines, width=LINE_BYTES):
-    """Lines of `width` bytes each."""
+    """Return lines of `width` bytes each."""
     text = b"".join(line.encode().ljust(width - 1) + b"\n" for line in lines)
     assert len(text) == width * len(lines)
     return text
 
 
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
-    """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
-    run_raster(). Its axes take 250 mm/s and 20 m/s², so that the processor is the limit; or what the drive's pulses leave room for."""
+    """Boot an EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for run_raster(). Its axes take 250
+    mm/s and 20 m/s², so that the processor is the limit; or what the drive's pulses leave room for."""
     return boot_router(*fast_board(lengths_mm, name, laser, clock_mhz, mm_s, mm_s2))
 
 
 def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
-    """(board, texts) of fast_router()."""
+    """Return (board, texts) of fast_router()."""
     board = {**boards.load(name), "clock_mhz": clock_mhz}
     pulses_s = TICKS_PER_S // word_times(board)[1]
     for axis in board["axes"]:
@@ -162,7 +162,7 @@ def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125, mm_s
 
 
 def boot_router(board=None, texts=(), jerk=0):
-    """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none.
+    """Boot a machine that waits for run_lines(), of a board, a dict; default router_3axis. `texts`: files for run_lines(), late_words() wants none.
     `jerk`: mm/s³, kept in its settings."""
     board = board or boards.load("router_3axis")
     files = {**files_of(board)}
@@ -181,7 +181,7 @@ def boot_router(board=None, texts=(), jerk=0):
 
 
 def line_of_memory():
-    """{name: bytes} of the module that stands for a link."""
+    """Return {name: bytes} of the module that stands for a link."""
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "memory_line.py", Path(folder) / "memory_line.mpy"
         source.write_text(_LINE)
@@ -190,14 +190,14 @@ def line_of_memory():
 
 
 def talk_to(machine):
-    """The same machine with its first link on USB, as it is flashed."""
+    """Put the machine's first link on USB, as it is flashed."""
     machine.pico.console.send(b"pass\n")
     machine.run_ms(100)
 
 
 def time_first_steps(machine, count=10):
-    """Milliseconds from the last byte of a command to a machine at rest, over USB, to the first step, of each trial. Its
-    drivers have been switched on before: that takes 20 ms more."""
+    """Return the milliseconds from the last byte of a command to a machine at rest, over USB, to the first step, of each trial. Its drivers have
+    been switched on before: that takes 20 ms more."""
     _send_and_wait(machine, b"$X\nG21G91F6000\nG1X1\n", 3)
     machine.run_ms(300)
     edges = machine.pico.record_edges(machine.board["axes"][0]["pins"][0])
@@ -213,7 +213,7 @@ def time_first_steps(machine, count=10):
 
 
 def time_holds(machine, count=5):
-    """Milliseconds from the byte of a feed hold to the first step that comes later than at full speed, of each trial."""
+    """Return the milliseconds from the byte of a feed hold to the first step that comes later than at full speed, of each trial."""
     _send_and_wait(machine, b"$X\nG21G91\n", 2)
     edges = machine.pico.record_edges(machine.board["axes"][0]["pins"][0])
     taken = []
@@ -244,27 +244,28 @@ def _send_and_wait(machine, data, answers):
 
 
 def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000, profiled=False):
-    """Have `count` lines streamed; the figures of the last three quarters of them. `profiled`: with their cycles by function, a `profile.Spent`."""
+    """Stream `count` lines from the board's memory; return the figures of the last three quarters of them. `profiled`: with their cycles by
+    function, a `profile.Spent`."""
     start, _ = chords(length_mm)
     head = pad_lines("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
     return _run_from_memory(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS // LINES_A_READ)), limit_ms, profiled)
 
 
 def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000, profiled=False):
-    """The same with `count` lines of raster(dot_mm)."""
+    """Stream `count` lines of raster(dot_mm) from the board's memory; return the figures of run_lines()."""
     head = pad_lines("$X", "G21G91G94", f"{mode}S0F{60 * feed_mm_s:.0f}", "G0", width=DOT_BYTES)
     return _run_from_memory(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms, profiled)
 
 
 def lines_over(machine, link, length_mm, feed_mm_s, count, think_us=0):
-    """Lines a second, of the last three quarters of `count`, over this link of the board file, at most 127 bytes under way."""
+    """Return the lines a second, of the last three quarters of `count`, over this link of the board file, at most 127 bytes under way."""
     start, text = chords(length_mm)
     head = b"$X\nG21G90G94\nG92X%.3fY50Z-20\nG1F%d\n" % (start, 60 * feed_mm_s)
     return _run_over_link(machine, link, head, text, count, think_us)
 
 
 def dots_over(machine, link, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
-    """The same of raster(dot_mm)."""
+    """Return the lines of raster(dot_mm) a second, of the last three quarters of `count`, over this link."""
     text, order = raster(dot_mm)
     each = LINES_A_READ * DOT_BYTES
     head = b"$X\nG21G91G94\n%sS0F%d\nG0\n" % (mode.encode(), 60 * feed_mm_s)
@@ -310,7 +311,7 @@ def _run_from_memory(machine, name, head, count, width, order, limit_ms, profile
 
 
 def late_words(machine, lines, limit_ms=60_000):
-    """Have a programme carried out to its end; how often the player ran dry inside a block."""
+    """Carry out a programme to its end; return how often the player ran dry inside a block."""
     lines = ["$X", *lines, "G4P0.01"]
     head = pad_lines(*lines, *[""] * (-len(lines) % LINES_A_READ))
     machine.pico.console.send(f"go('',{head!r},{len(head) // LINE_BYTES},0,{LINE_BYTES},b'')\n".encode())

@@ -51,7 +51,7 @@ print((stood, max(map(abs, stood)), feeder.position(player.played())))
 
 
 def set_out(rig, deltas, steps_s, after_us, loop="pass"):
-    """Start a line and let it run for a while, under a main loop that also does what `loop` says."""
+    """Start a line and let it run for `after_us`, under a main loop that also does what `loop` says."""
     _start_line(rig, deltas, steps_s, loop)
     while not any(rig.step_edges):
         rig.pico.run(200)
@@ -59,8 +59,8 @@ def set_out(rig, deltas, steps_s, after_us, loop="pass"):
 
 
 def try_halt(rig, pin, wait_us):
-    """(µs from the edge of `pin` to the last step, 0 if none came after it; position reported; steps counted; whether
-    the player stood still between its `pull` and its `out`, a word in its hand that has not been played)"""
+    """Halt the machine; return (µs from the edge of `pin` to the last step, 0 if none came after it; position reported; steps counted; whether the
+    player stood still between its `pull` and its `out`, a word in its hand that has not been played)."""
     rig.pico.run(wait_us)
     edge = _press_pin(rig, pin)
     in_hand = _in_hand(rig)
@@ -72,7 +72,7 @@ def try_halt(rig, pin, wait_us):
 
 
 def try_halts(rig, pin, waits_us):
-    """A trial for each wait from now, in ascending order, each on a copy of the running rig; the rig itself runs on."""
+    """Try a halt for each wait from now (µs), in ascending order, each on a copy of the running rig. The rig itself runs on."""
     found, now_us = [], 0
     for wait_us in sorted(waits_us):
         rig.pico.run(wait_us - now_us)
@@ -82,8 +82,8 @@ def try_halts(rig, pin, waits_us):
 
 
 def amid_start(rig, pin, deltas, steps_s, before_us):
-    """For each of `before_us`, the microseconds that `pin` is pressed before the first step would come: (that number,
-    cycles from then to each step that comes all the same, position reported)."""
+    """Press `pin` at each of `before_us` microseconds before the first step would come; yield (that number, cycles from then to each step that comes
+    all the same, position reported)."""
 
     def first_step_cycle():
         set_out(rig, deltas, steps_s, 0)
@@ -101,8 +101,7 @@ def amid_start(rig, pin, deltas, steps_s, before_us):
 
 
 def try_in_hand(rig, pin, tries):
-    """A trial whose freeze falls between the player's `pull` and its `out`; None if none of the `tries` waits (µs) meets
-    that cycle."""
+    """Try a halt whose freeze falls between the player's `pull` and its `out`; return None if none of the `tries` waits (µs) meets that cycle."""
 
     def freeze_after(wait_us):
         rig.pico.run(wait_us)
@@ -121,7 +120,7 @@ def _start_line(rig, deltas, steps_s, loop="pass"):
 
 
 def _press_pin(rig, pin):
-    """The cycle at which `pin` is pressed; then enough time for every interrupt that halts."""
+    """Press `pin`, and let pass enough time for every interrupt that halts. Returns the cycle of the edge."""
     rig.pico.drive_pin(pin, 1)
     edge = rig.pico.cycle
     rig.pico.run(60)
@@ -134,8 +133,8 @@ def _in_hand(rig):
 
 
 def resume_line(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
-    """Halt an accelerating line, take it up again where it stood: (position at the stand, dominant steps made,
-    position at the end, cycles of the edge of `pin`)."""
+    """Halt an accelerating line, and resume it where it stood. Returns (position at the stand, dominant steps made, position at the end, cycles of
+    the edge of `pin`)."""
     rig.clear_edges()
     rig.pico.console.start(
         _RESUME.format(

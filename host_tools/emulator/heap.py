@@ -35,8 +35,8 @@ class Heap:
 
 
 def _reachable_blocks(kinds, pool, words):
-    """The table without blocks that no pointer leads to. Any word of RAM outside of the heap counts as a pointer, old stack included: every block
-    free here is free for the collector, which may free more."""
+    """Return the table without blocks that no pointer leads to. Any word of RAM outside of the heap counts as a pointer, old stack included: every
+    block free here is free for the collector, which may free more."""
     pieces = {}  # {address: blocks}
     for number, kind in enumerate(kinds):
         if kind == _TAIL:

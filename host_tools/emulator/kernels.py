@@ -32,7 +32,7 @@ class Kernels:
         self._addresses = [address for address, _ in self.starts]
 
     def name_of(self, address):
-        """Name of the kernel whose code has `address`; None if it lies before all."""
+        """Return the name of the kernel whose code has `address`; None if it lies before all."""
         index = bisect.bisect_right(self._addresses, address) - 1
         return self.starts[index][1] if index >= 0 else None
 
@@ -47,7 +47,7 @@ class Kernels:
     # --- functions
 
     def _find_functions(self, types):
-        """(index of its word, address, of its code, of its module's context or 0)"""
+        """Yield (index of its word, address, address of its code, of its module's context or 0) of each function object."""
         types.pop(None, None)
         for index in range(0, len(self._words) - 4, 4):  # blocks of the heap are 16 bytes
             kind = types.get(self._words[index])
@@ -67,7 +67,7 @@ class Kernels:
         return [name for name in names if name]
 
     def _module_of(self, context):
-        """A module's context begins with the module, an object of its type and its globals."""
+        """Return the name of the module of a context, which begins with the module: an object of its type and its globals."""
         table = self._read_word(self._read_word(context + 4) + 12)
         for entry in range(table, table + 8 * 64, 8):
             key, value = self._read_word(entry), self._read_word(entry + 4)
@@ -78,7 +78,7 @@ class Kernels:
     # --- interned strings
 
     def _find_pools(self, address):
-        """[(first number, how many, address)]: in flash, each knows the one before it; those in RAM are searched for."""
+        """Return [(first number, how many, address)] of the pools of names. In flash each knows the one before it; those in RAM are searched for."""
         pools, last = [], address
         while address:
             pools.append(self._read_pool(address))

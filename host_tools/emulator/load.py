@@ -24,7 +24,7 @@ class Load:
         self._alarm.schedule(SAMPLE_NS)
 
     def end(self):
-        """Sample no more; the shares of all samples."""
+        """Stop sampling; return {name: share of all samples}."""
         self._alarm.cancel()
         total = sum(self._counts.values()) or 1
         return {name: count / total for name, count in self._counts.items()}

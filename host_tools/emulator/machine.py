@@ -35,14 +35,14 @@ LAST_TICKS = 12_500_000  # the machine is watched for another second after the p
 
 @lru_cache(maxsize=8)
 def firmware_files(board):
-    """{path: bytes} of the compiled firmware of a board, by name or path."""
+    """Return {path: bytes} of the compiled firmware of a board, by name or path."""
     with tempfile.TemporaryDirectory() as folder:
         build_tree(board, Path(folder))
         return folder_files(folder)
 
 
 def files_of(board):
-    """The files of a board given as a dict; `BOARD = {…}` stands in board.py."""
+    """Return {path: bytes} of the compiled firmware of a board given as a dict; `BOARD = {…}` stands in board.py."""
     return _files_of_text(f"BOARD = {board!r}\n")
 
 
@@ -81,11 +81,11 @@ class EmulatedMachine:
             self.wire(name).listeners.append(self._watches[name].note_answer)
 
     def uart_links(self):
-        """Names of the links on UARTs."""
+        """Return the names of the links on UARTs."""
         return [name for name, link in self._links.items() if link["port"].startswith("uart")]
 
     def wire(self, link=None):
-        """The `Wire` of a link, the first one unless named; the `UsbWire` of one on USB."""
+        """Return the `Wire` of a link, of the first one unless named; the `UsbWire` of one on USB."""
         if self._links[link or self._first]["port"] == "usb":
             return self._usb
         return self.pico.uart(self.uart_number(link or self._first))
@@ -95,7 +95,7 @@ class EmulatedMachine:
         return all(self.pico.chip.uart[self.uart_number(name)].enabled for name in self.uart_links())
 
     def uart_number(self, link):
-        """Number of the UART of a link."""
+        """Return the number of the UART of a link."""
         return int(self._links[link]["port"][4:])
 
     def _zero_trace(self):
@@ -110,7 +110,7 @@ class EmulatedMachine:
         return self
 
     def now_ms(self):
-        """Emulated milliseconds since power-on."""
+        """Return the emulated milliseconds since power-on."""
         return self.pico.now_us / 1000
 
     def run_ms(self, milliseconds):
@@ -144,11 +144,11 @@ class EmulatedMachine:
         self.wire(name).feed(data, self._links[name]["baud"])
 
     def replies_so_far(self, link=None):
-        """Bytes that the board has sent on a link; they stay there until `take`."""
+        """Return the bytes that the board has sent on a link; they stay there until `take`."""
         return bytes(self.wire(link).output)
 
     def take(self, link=None):
-        """Bytes that the board has sent since the last `take`."""
+        """Return the bytes that the board has sent since the last `take`."""
         return self.wire(link).drain()
 
     def ask(self, data, answers=1, limit_ms=STAND_STILL_MS, link=None):

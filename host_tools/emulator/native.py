@@ -33,7 +33,7 @@ _NOT_MINE, _UNALIGNED, _NOT_THUMB, _UNDEFINED = 1, 2, 3, 4
 
 @lru_cache(maxsize=1)
 def load_library():
-    """The compiled core.c, or None."""
+    """Return core.c as a library, compiled on the first call; None if there is no C compiler."""
     if os.environ.get("PASSO_NATIVE") == "0" or sys.byteorder != "little":
         return None
     source = _SOURCE.read_bytes() + repr((_OPTIONS, platform.machine())).encode()
@@ -63,7 +63,7 @@ def _compile_core(path):
 
 
 def _address_of(buffer):
-    """The address of a buffer's bytes; they stay there as long as the chip lives."""
+    """Return the address of a buffer's bytes, which stay there as long as the chip lives."""
     return ctypes.addressof(ctypes.c_char.from_buffer(buffer))
 
 

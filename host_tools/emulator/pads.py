@@ -23,7 +23,7 @@ class Pads:
             pin.add_listener(self._make_listener(pin))
 
     def _watch_pulls(self):
-        """A pin that nobody drives follows its pull as soon as a register says so."""
+        """Make a pin that nobody drives follow its pull as soon as a register says so."""
         pads, first = self._chip.peripherals[0x4001C], 4
         write = pads.write_uint32
 
@@ -40,7 +40,7 @@ class Pads:
         self._listeners.setdefault(gpio, []).append(heard)
 
     def state_of(self, gpio):
-        """The level that the chip drives: 0, 1 or RELEASED."""
+        """Return the level that the chip drives: 0, 1 or RELEASED."""
         return min(int(self._chip.gpio[gpio].value), RELEASED)
 
     def drive_pin(self, gpio, level):
@@ -53,7 +53,7 @@ class Pads:
             self._let_go(self._chip.gpio[gpio])
 
     def after_reset(self):
-        """The chip's outputs have let go."""
+        """Release the chip's outputs, and tell the listeners."""
         for gpio in sorted(self._driven):
             pin = self._chip.gpio[gpio]
             pin._driven, pin._raw_input_value = gpio in self._outside, self._outside.get(gpio, False)

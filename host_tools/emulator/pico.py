@@ -125,7 +125,7 @@ class EmulatedPico:
         self._halted = self._loop.ended = True
 
     def run_until(self, condition, limit_us, slice_us=SLICE_US):
-        """Run until condition() holds, asked once a slice; whether it came to hold within the limit."""
+        """Run until condition() holds, asked once a slice; return whether it came to hold within the limit."""
         end = self.cycle + limit_us * cycles.CYCLES_PER_US
         while not condition():
             if self.cycle >= end:
@@ -169,7 +169,7 @@ class EmulatedPico:
         self.run(MAIN_US)
 
     def hold_bootsel(self, held):
-        """The BOOTSEL button: it pulls the flash's chip select down."""
+        """Hold or release the BOOTSEL button, which pulls the flash's chip select down."""
         select = self.chip.qspi[1]
         if held:
             select.set_input_value(False)
@@ -179,12 +179,12 @@ class EmulatedPico:
     # --- files
 
     def image(self):
-        """The file system as it is in the flash now."""
+        """Return the file system as it is in the flash now."""
         start = self._files_at
         return bytes(self.chip.flash[start : start + self._blocks * filesystem.BLOCK_BYTES])
 
     def files(self):
-        """{path: bytes} of the file system."""
+        """Return {path: bytes} of the file system."""
         return filesystem.read_image(self.image())
 
     # --- pins and lines
@@ -197,18 +197,18 @@ class EmulatedPico:
         self.console.soft_reset()
 
     def record_edges(self, gpio, log=None):
-        """A list that gets (cycle, 0, 1 or pads.RELEASED) at each change of the level that the Pico drives on a pin."""
+        """Return a list that gets (cycle, 0, 1 or pads.RELEASED) at each change of the level that the Pico drives on a pin."""
         log = [] if log is None else log
         clock = self._clock
         self.pads.add_listener(gpio, lambda _, state: log.append((cycles.now_cycles(clock), state)))
         return log
 
     def drive_pin(self, gpio, level):
-        """The world drives a pin to 0 or 1, or lets it go (None: the pad's own pull decides)."""
+        """Drive a pin to 0 or 1 from outside; None releases it, and the pad's own pull decides."""
         self.pads.drive_pin(gpio, level)
 
     def uart(self, index):
-        """The other end of a UART; the same object each time."""
+        """Return the other end of a UART; the same object each time."""
         if index not in self._wires:
             self._wires[index] = Wire(self, self.chip.uart[index])
         return self._wires[index]

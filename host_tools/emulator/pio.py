@@ -85,7 +85,7 @@ class TimedPio(RPPIO):
         self._alarm.cancel()
 
     def _join_fifos(self, machine):
-        """FIFOs are four words each, or eight and none; changing that empties them."""
+        """Set the FIFOs' sizes: four words each, or eight and none. A change empties them."""
         send, receive = bool(machine.shift_ctrl & _JOIN_SEND), bool(machine.shift_ctrl & _JOIN_RECEIVE)
         sizes = (0, 0) if send and receive else (8, 0) if send else (0, 8) if receive else (4, 4)
         if (machine.tx_fifo.size, machine.rx_fifo.size) == sizes:
@@ -99,7 +99,7 @@ class TimedPio(RPPIO):
     # --- time
 
     def input_changes(self, gpio):
-        """To be called before the level of an input changes, and `input_changed` after it."""
+        """Run the block up to now. Call it before the level of an input changes, and `input_changed` after it."""
         if not self._running:
             self._unpark_machines(gpio)
             self.catch_up(any(skip and not skip[5] for skip in self._skips))
@@ -112,7 +112,7 @@ class TimedPio(RPPIO):
         self._plan_alarm()
 
     def catch_up(self, unwind):
-        """Run what is due by now; `unwind`: put delay loops that were run through ahead back to where they are now."""
+        """Run the instructions due by now; `unwind`: put delay loops that were run through ahead back to where they are now."""
         if self._running:
             return
         self._running = True
@@ -161,7 +161,7 @@ class TimedPio(RPPIO):
     # --- polling loops
 
     def _park_machine(self, machine):
-        """`machine` begins a pass: if nothing has happened in the one before, it waits for something to happen."""
+        """Park a machine that begins a pass, if nothing has happened in the pass before, until something happens."""
         index = machine.index
         due = machine.next_due_fp
         state = (
@@ -181,7 +181,7 @@ class TimedPio(RPPIO):
             self.recompute_due()
 
     def _pins_polled(self, machine):
-        """The pins that a state machine's program reads; none if it does more than read pins."""
+        """Return the pins that a state machine's program reads; none if it does more than read pins."""
         pins = set()
         for code in self.instructions:
             kind, argument = code >> 13, code & 0xFF
@@ -235,10 +235,8 @@ class TimedPio(RPPIO):
         self.recompute_due()
 
     def _find_loop(self, machine):
-        """((counters, 1/256 cycles a turn) or None, whether that holds until the machine is configured anew).
-
-        The first counter is the one whose jump closes the loop.
-        """
+        """Return ((counters, 1/256 cycles a turn) or None, whether that holds until the machine is configured anew). The first counter is the one
+        whose jump closes the loop."""
         if machine.sideset_count:
             return None, True  # side-set pins may change in its first turn
         start = pc = machine.pc
@@ -274,7 +272,7 @@ class TimedPio(RPPIO):
 
 
 def _counts_down(before, state):
-    """Whether X has gone down by one since a pass began, OSR, which holds what X was, likewise, and nothing else has changed."""
+    """True if, since a pass began, X has gone down by one, OSR, which holds the former X, likewise, and nothing else has changed."""
     x, osr = state[0], state[4]
     return x == before[0] - 1 and osr == before[4] - 1 == x + 1 and before[1:4] + before[5:] == state[1:4] + state[5:]
 

@@ -57,12 +57,12 @@ class Cost:
 
     @property
     def cycles(self):
-        """Cycles in main loop and interrupts."""
+        """The cycles in main loop and interrupts."""
         return self.main + self.interrupts
 
     @property
     def waits(self):
-        """Of these, cycles that waited for the flash."""
+        """The cycles, of these, that waited for the flash."""
         return self.main_waits + self.interrupts_waits
 
     def __iadd__(self, other):
@@ -125,14 +125,14 @@ class Spent:
         return _sum_costs(self.places.values())
 
     def functions(self, symbols):
-        """[(name, Cost)], the dearest first."""
+        """Return [(name, Cost)], the dearest first."""
         found = defaultdict(Cost)
         for address, cost in self.places.items():
             found[symbols.name_of(address)] += cost
         return sorted(found.items(), key=lambda one: -one[1].cycles)
 
     def parts(self, symbols=None):
-        """{part: Cost}; without symbols only by the memories that code lies in."""
+        """Return {part: Cost}; without symbols only by the memories in which code lies."""
         found = defaultdict(Cost)
         if symbols is None:
             for address, cost in self.places.items():
@@ -143,7 +143,7 @@ class Spent:
         return dict(found)
 
     def kernels(self, symbols):
-        """[(name, calls, Cost)] of the machine code in RAM, the dearest first; calls are those of its first instruction."""
+        """Return [(name, calls, Cost)] of the machine code in RAM, the dearest first; calls are those of its first instruction."""
         kernels = Kernels(symbols, self._ram, self._flash)
         found, calls, first = defaultdict(Cost), {}, {}
         for address, cost in sorted(self.places.items()):
@@ -155,7 +155,7 @@ class Spent:
         return sorted(((name or "?", calls[name], cost) for name, cost in found.items()), key=lambda one: -one[2].cycles)
 
     def _cycles_at(self, address):
-        """Of the instruction that functions begin with, a PUSH or another."""
+        """Return the cycles of the instruction with which functions begin, a PUSH or another."""
         opcode = int.from_bytes(self._ram[address - _RAM : address - _RAM + 2], "little")
         return 1 + (opcode & 0xFF).bit_count() if opcode >> 9 == 0x5A else 1
 
@@ -168,7 +168,7 @@ def _sum_costs(costs):
 
 
 def part_of(name):
-    """The part of the interpreter that a function of this name belongs to."""
+    """Return the part of the interpreter to which a function of this name belongs."""
     if name in (IN_RAM, ROM, UNNAMED):
         return name
     for part, pattern in _PARTS:
@@ -185,7 +185,7 @@ class Symbols:
         self._starts, self._ends, self._names = map(list, zip(*sorted(functions)))
 
     def name_of(self, address):
-        """Name of the function at `address`, or of the region if the ELF file has none there."""
+        """Return the name of the function at `address`, or of the region if the ELF file has none there."""
         index = bisect.bisect_right(self._starts, address) - 1
         if index >= 0 and address < self._ends[index]:
             return self._names[index]
@@ -197,7 +197,7 @@ class Symbols:
 
 
 def read_symbols(path):
-    """Symbols of a 32-bit little-endian ELF file. Raises Failure."""
+    """Read the Symbols of a 32-bit little-endian ELF file. Raises Failure."""
     with open(path, "rb") as file:
         data = file.read()
     if data[:6] != b"\x7fELF\x01\x01":

@@ -26,7 +26,7 @@ class Quadrature:
         self.left += counts
 
     def jump_by(self, counts):
-        """Both wires change at once: nobody can tell which way."""
+        """Jump by `counts`, 2 for example: both wires change at once, and nobody can tell the direction."""
         self.count += counts
         self._show_levels()
 

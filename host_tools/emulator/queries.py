@@ -63,8 +63,8 @@ print((min([nothing() for _ in range(20)]), list(asked[:at])))
 
 
 def ask_positions(rig, deltas, steps_s):
-    """[(µs that asking took, words walked since the last checkpoint)] of a line's position, asked at all times between two
-    turns of the feeder. Raises AssertionError unless each answer is where the edges had the axes meanwhile."""
+    """Ask for a line's position at all times between two runs of the feeder; return [(µs that asking took, words walked since the last checkpoint)].
+    Raises AssertionError unless each answer is where the edges had the axes meanwhile."""
     rig.clear_edges()
     each = 3 + rig.axes
     code = _ASK.format(each=each, count=ASKED, deltas=deltas, ticks=ticks_of(deltas, steps_s))
@@ -119,7 +119,7 @@ class Asking:
             self._send_waiting()
 
     def _send_bytes(self, data):
-        """Returns the cycle at which the last byte has arrived."""
+        """Send bytes; return the cycle at which the last one has arrived."""
         if self._wire:
             return self._wire.feed(data, self._baud)
         self._pico.usb.write(data)

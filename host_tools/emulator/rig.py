@@ -77,7 +77,7 @@ _TIMER_LEAST_TICKS = 500  # timer_player.SHORTEST_TICKS: that module is for a bo
 
 
 def router_board(axes=3, **changes):
-    """A board dict: STEP/DIR, pulses of 1 µs, so that words may follow each other every 2.08 µs."""
+    """Return a board dict: STEP/DIR, pulses of 1 µs, so that words may follow each other every 2.08 µs."""
     board = {
         "name": "bench",
         "chip": "rp2040",
@@ -103,12 +103,12 @@ def router_board(axes=3, **changes):
 
 
 def ticks_of(deltas, steps_s):
-    """Ticks of a line whose dominant axis steps `steps_s` times a second."""
+    """Return the ticks of a line whose dominant axis steps `steps_s` times a second."""
     return max(map(abs, deltas)) * TICKS_PER_S // steps_s
 
 
 def words_of(board, lines):
-    """[(ticks, levels)] that the firmware makes of `lines` here, under CPython."""
+    """Return [(ticks, levels)] of the words that the firmware makes of `lines` here, under CPython."""
     layout, drive, _ = make_drive(board)
     _, least = word_times(board)
     if board["player"] == "timer":
@@ -142,7 +142,7 @@ class Run:
         self.position = []
 
     def share_left(self):
-        """Share of the processor that interrupts leave."""
+        """Return the share of the processor that interrupts leave."""
         return self.shares.get("main", 0) + self.shares.get("asleep", 0)
 
 
@@ -155,7 +155,7 @@ class Rig:
         self.pico.exec(start)
 
     def load_board(self, board):
-        """The App anew, for another board. On a copy, and once: the player's first program stays where it is."""
+        """Make the App anew, for another board. Only on a copy, and once: the player's first program stays where it is."""
         self.board = check(copy.deepcopy(board))
         self._record_edges()
         self.pico.exec(FIT.format(board=board))
@@ -166,7 +166,7 @@ class Rig:
         self.step_edges, self.dir_edges = self.edges[: self.axes], self.edges[self.axes : 2 * self.axes]
 
     def wire(self):
-        """The wire of UART0."""
+        """Return the wire of UART0."""
         return self.pico.uart(0)
 
     def clear_edges(self):
@@ -180,7 +180,7 @@ class Rig:
         return inverted_pins(self.board, make_drive(self.board)[0])
 
     def count_steps(self):
-        """Steps of each axis since the last clear_edges(), signed, as a STEP/DIR driver would count them: edges alone."""
+        """Count the steps of each axis since the last clear_edges(), signed, as a STEP/DIR driver would: by edges alone."""
         invert = self._inversions()
         positions = []
         for axis, (steps, turns) in enumerate(zip(self.step_edges, self.dir_edges)):
@@ -194,7 +194,8 @@ class Rig:
         return positions
 
     def play(self, lines, loop="pass", limit_us=3_000_000, meanwhile=None):
-        """`lines`: [(deltas, steps a second of the dominant axis)]; `meanwhile()` is called before each slice."""
+        """Play lines, [(deltas, steps a second of the dominant axis)], to their end; return a Run. `loop`: code of the main loop; `meanwhile()` is
+        called before each slice."""
         timed = [(deltas, ticks_of(deltas, steps_s)) for deltas, steps_s in lines]
         self.clear_edges()
         self.pico.console.start(PLAY.format(lines=timed, loop=loop))
@@ -218,7 +219,7 @@ class Rig:
         return run
 
     def _compare_levels(self, run, words):
-        """The levels of coils against the words: every change must be there, and none else since the motors woke up."""
+        """Compare the levels of coils with the words: every change must be there, and no other since the motors woke up."""
         tick, last, wanted = 0, make_drive(self.board)[1].levels(), []
         for ticks, levels in words:
             if levels != last:
@@ -238,7 +239,7 @@ class Rig:
         run.off = max(map(abs, run.lateness))
 
     def _compare_steps(self, run, words):
-        """The edges against the words: every one must be there, and none else."""
+        """Compare the edges with the words: every one must be there, and no other."""
         invert = self._inversions()
         tick, wanted = 0, [[] for _ in range(self.axes)]
         for ticks, levels in words:

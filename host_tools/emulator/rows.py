@@ -29,7 +29,7 @@ LIMIT_MS = 60_000
 
 
 def fast_laser(clock_mhz):
-    """A booted laser_fast whose axes are faster than any link."""
+    """Boot a laser_fast whose axes are faster than any link."""
     board = {**copy.deepcopy(boards.load("laser_fast")), "clock_mhz": clock_mhz, "journal": None}
     for axis in board["axes"]:
         axis.update(max_mm_min=30_000, accel_mm_s2=200_000)
@@ -37,13 +37,13 @@ def fast_laser(clock_mhz):
 
 
 def fast_router(clock_mhz):
-    """A booted router_3axis whose axes are faster than any link, its serial link at BAUD."""
+    """Boot a router_3axis whose axes are faster than any link, its serial link at BAUD."""
     board = copy.deepcopy(gcode.fast_board((), clock_mhz=clock_mhz, mm_s=500, mm_s2=300_000)[0])
     return _boot_board({**board, "journal": None})
 
 
 def _boot_board(board):
-    """A booted machine of `board` without frames, its UART links at BAUD."""
+    """Boot a machine of `board` without frames, its UART links at BAUD."""
     board["links"] = [{key: value for key, value in link.items() if key != "lost"} for link in board["links"]]
     for link in board["links"]:
         if link["port"] != "usb":
@@ -54,7 +54,7 @@ def _boot_board(board):
 
 
 def dots(kind, times=1):
-    """(head, lines, dots) of rows there and back, of powers that all differ; `times` as many."""
+    """Return (head, lines, dots) of rows there and back, of powers that all differ; `times` as many."""
     dot_mm, mm_s, each = KINDS[kind]
     count = round(ROW_MM / dot_mm / each) * each
     powers = [0 if dot % 7 == 6 else dot * 397 % 999 + 1 for dot in range(count)]
@@ -74,7 +74,7 @@ def _count_oks(asking):
 
 
 def measure_stream(machine, link, kind, think_us, times=1):
-    """The figures of one stream, its first quarter left out of the rate; `times` as long."""
+    """Return the figures of one stream, the rate without its first quarter; `times` as long."""
     if kind == "lines":
         start, text = gcode.chords(LINE_MM)
         lines = [line.decode().strip() for line in text.splitlines()]

@@ -67,7 +67,7 @@ class SdCard:
         self._spi.complete_transmit(self._reply)
 
     def _exchange_byte(self, value):
-        """The byte that goes out while `value` comes in."""
+        """Return the byte that goes out while `value` comes in."""
         if not self._out and self._reading is not None:
             self._put_block(self._read_sector(self._reading))
             self._reading += 1

@@ -45,7 +45,7 @@ print(feeder.late, controller.machine.log.entries)
 
 
 def usb_rig(uf2=None):
-    """A Rig whose link is USB."""
+    """Return a Rig whose link is USB."""
     return Rig(router_board(3, links=[_USB]), uf2)
 
 

@@ -29,11 +29,11 @@ class Chains:
             self._load_inputs()
 
     def input_level(self, bit):
-        """The level of an input of the 74HC165 chain."""
+        """Return the level of an input of the 74HC165 chain."""
         return self._inputs[bit]
 
     def _load_inputs(self):
-        """H, the input of bit 7, is the first to come."""
+        """Load the 74HC165: H, the input of bit 7, is shifted out first."""
         self._loaded = [self._inputs[at & ~7 | 7 - at & 7] for at in range(len(self._inputs))]
         self._show_first()
 

@@ -56,7 +56,7 @@ class EmulatedPort:
 
 
 def streaming_router(framed, clock_mhz=125):
-    """A booted router; the links named in `framed` have frames."""
+    """Boot a router; the links named in `framed` have frames."""
     board = {**boards.load("router_3axis"), "clock_mhz": clock_mhz}
     for link in board["links"]:
         link["frames"] = link["name"] in framed
@@ -67,7 +67,7 @@ def streaming_router(framed, clock_mhz=125):
 
 
 def lines_s(machine, link, frames, count):
-    """Lines a second of the last half of `count` lines, 500 or more; `frames`: in frames, else plain, counting characters."""
+    """Return the lines a second of the last half of `count` lines, 500 or more; `frames`: in frames, else in plain text, by counting characters."""
     port = EmulatedPort(machine, link)
     port.reset_input_buffer()
     if frames:

@@ -83,15 +83,15 @@ class SystemClock:
         self._counted = None  # (nanoseconds at which it is done, result) of the frequency counter
 
     def cycle(self):
-        """System clocks since power-on."""
+        """Return the system clocks since power-on."""
         return self._cycles + int((self._clock.nanos - self._since_ns) / self.cycle_ns + _ROUNDING)
 
     def nanos_at(self, cycle):
-        """Emulated nanoseconds at a cycle of the clock as it runs now."""
+        """Return the emulated nanoseconds at a cycle of the clock as it runs now."""
         return self._since_ns + (cycle - self._cycles) * self.cycle_ns
 
     def align(self):
-        """A processor that something has woken goes on with its next clock."""
+        """Have a processor that has been woken go on with its next clock."""
         cycle = self.cycle()
         if self._clock.nanos - self.nanos_at(cycle) > _ROUNDING * self.cycle_ns:
             self._clock.tick(self.nanos_at(cycle + 1) - self._clock.nanos)
@@ -157,7 +157,7 @@ class SystemClock:
         regulator.read_uint32, regulator.write_uint32 = read_uint32, write_uint32
 
     def _follow_registers(self):
-        """Something that makes clk_sys or clk_peri has been written."""
+        """Set clk_sys and clk_peri as the registers say that were written last."""
         clocks = self._chip.clocks
         takes_pll = clocks.sys_ctrl & 1 and not clocks.sys_ctrl >> 5 & 7
         hz = self._pll.hz * 256 // (clocks.sys_div or 1 << 24)
@@ -189,7 +189,7 @@ class SystemClock:
 
 
 def clock_of(chip):
-    """The one of a chip: at 125 MHz for ever, unless install() is called."""
+    """Return the SystemClock of a chip. It stays at 125 MHz unless install() is called."""
     found = vars(chip).get("system_clock")
     if found is None:
         found = chip.system_clock = SystemClock(chip)

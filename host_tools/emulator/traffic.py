@@ -8,7 +8,7 @@ from passo.protocols.plotter.host import COMMANDS, packet
 
 
 def move_packets(count, seed=0):
-    """The bytes of `count` MOVE packets in which no byte repeats its neighbour."""
+    """Return the bytes of `count` MOVE packets in which no byte repeats its neighbour."""
     data, number = b"", seed
     while count:
         number += 1

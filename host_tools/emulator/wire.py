@@ -50,7 +50,7 @@ class Wire:
         return self._free_at
 
     def drain(self):
-        """Bytes that the Pico has sent since the last call."""
+        """Return the bytes that the Pico has sent since the last call."""
         data = bytes(self.output)
         self.output.clear()
         self.stamps.clear()

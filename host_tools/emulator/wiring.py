@@ -66,7 +66,7 @@ class Wiring:
         self._flush_edges()
 
     def note_input(self, tick, name, level):
-        """The plant says that an input has changed."""
+        """Take a changed input from the plant: drive its pin."""
         if self._inner is not None:
             self._inner.note_input(tick, name, level)
         self._drive_input(self._inputs[name], level)
@@ -103,7 +103,7 @@ class Wiring:
             self._plan_event()
 
     def turn_encoders(self):
-        """The encoders' wires follow the plant's motors, which jump by whole steps."""
+        """Turn the encoders' wires to the positions of the plant's motors, which jump by whole steps."""
         for encoder, wires in self._encoders:
             wires.turn_by(encoder.count - wires.count - wires.left)
 

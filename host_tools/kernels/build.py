@@ -37,13 +37,13 @@ Compiled = namedtuple("Compiled", "texts modules by pointers")
 
 
 def has_acceleration(board):
-    """Whether the planner is loaded with the feeder: all that a board file changes in its kernels."""
+    """True if an axis has an acceleration: then the planner is loaded with the feeder."""
     return any("accel_mm_s2" in axis for axis in board.get("axes", ()))
 
 
 def group_kernels(program, board, left=(), keep=False, frozen=False):
-    """Return [(name of a module, its kernels)]. `keep`: include kernels that only other kernels call. `frozen`: group them as the UF2 does,
-    where code that runs seldom stays in flash (STAYING)."""
+    """Return [(name of a module, its kernels)]. `keep`: include kernels that only other kernels call. `frozen`: group them as the UF2 does, where
+    code that runs seldom stays in flash (STAYING)."""
     plan, planned = program.modules_loaded_with(PLAN), has_acceleration(board)
 
     def group_of(kernel):
@@ -90,15 +90,15 @@ def compile_kernels(numbered, texts, board, march, left=(), keep=False, frozen=F
 
 
 def _kernel_import(imports, indent, module, names):
-    """Return an import line that fetches kernels from their compiled module, so that the module which defined them is not loaded; None if it
+    """Return an import line that fetches kernels from their compiled module, so that the module which defined them is not loaded; None if the line
     also imports anything but kernels."""
     lines = [imports.get(f"{module}.{name}") for name in names.split(", ")]
     return indent + "; ".join(line.strip() for line in lines) if all(lines) else None
 
 
 def _python_still_used(program, compiled, imports):
-    """Full names of the kernels whose Python has to stay in the texts, for viper to compile: those that are not in C; those that are in C
-    only as another kernel's copy, if Python calls them; and what these call."""
+    """Return the full names of the kernels whose Python has to stay in the texts, for viper to compile: those that are not in C; those that are in C
+    only as another kernel's copy, if Python calls them; and the kernels that these call."""
     uses = program.uses
     found, new = set(), [each for each in program.kernels.values() if each.full not in compiled or each.full not in imports and uses[each.full][1]]
     while new:
@@ -110,7 +110,7 @@ def _python_still_used(program, compiled, imports):
 
 
 def c_of(program, groups, name):
-    """The C of the kernels whose full name is, or ends in, `.name`; an empty text if there is none."""
+    """Return the C of the kernels whose full name is, or ends in, `.name`; an empty text if there is none."""
     units = [Unit(program, kernels) for _, kernels in groups]
     for unit in units:
         unit.text("")
@@ -119,7 +119,7 @@ def c_of(program, groups, name):
 
 
 def _thin_text(program, path, text, imports, gone):
-    """The text with imports where kernels were; all other lines keep their numbers."""
+    """Return the text with imports where kernels were; all other lines keep their numbers."""
     module = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
     if module not in program.imported:
         return text

@@ -6,7 +6,7 @@ from host_tools.kernels.program import BOOL, INT, LOOPS, OBJECT, statements_of
 
 
 def has_return(nodes):
-    """Whether any of the statements, or a statement inside them, returns."""
+    """True if any of the statements, or a statement inside them, returns."""
     return any(isinstance(each, ast.Return) for each in statements_of(nodes))
 
 

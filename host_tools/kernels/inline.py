@@ -31,7 +31,7 @@ def inline_kernels(texts, keep=False):
     made, under_way = {}, []
 
     def inline_calls(kernel):
-        """The kernel's node with all that it calls in it."""
+        """Return the kernel's node with the kernels that it calls inside it."""
         if kernel.full in under_way:
             kernel.refuse(kernel.node, "kernels that call each other in a circle")
         if kernel.full not in made:
@@ -52,7 +52,7 @@ def inline_kernels(texts, keep=False):
 
 
 def _kernels_to_inline(program):
-    """{full name: whether only kernels call it} of the kernels that go in."""
+    """Return {full name: whether only kernels call it} of the kernels that are inlined."""
     uses, weights, found = program.uses, {}, {}  # weights: statements, with those of the kernels that go in
 
     def weigh_kernel(kernel):
@@ -102,7 +102,7 @@ def drop_imports(program, module, text, lines, gone):
 
 
 def _full_name(program, module, alias):
-    """Full name of the kernel that an import brings into `module`; None if it is none."""
+    """Return the full name of the kernel that an import brings into `module`; None if it brings none."""
     kernel = program.kernel_of_name(module, ast.Name(alias.asname or alias.name))
     return kernel and kernel.full
 
@@ -167,7 +167,7 @@ class Inliner:
         return called if called and called.full in self.chosen else None
 
     def _stays_a_call(self, node):
-        """Whether a node is a call that is not inlined and returns a number: viper takes its result for an object."""
+        """True if a node is a call that is not inlined and returns a number: viper takes its result for an object."""
         called = self.program.kernel_of_call(self.kernel, node)
         return called and called.returns and not self._callee_of(node)
 
@@ -184,7 +184,7 @@ class Inliner:
         return made
 
     def store_value(self, node, out):
-        """The value in a local of its own."""
+        """Store the value in a new local; return its name."""
         kind = self.kind_of(node)
         made = self.new_local(kind)
         out.append(assign_node(made, node))
@@ -248,7 +248,7 @@ class Inliner:
     # --- expressions
 
     def inline_expression(self, node, out):
-        """The expression without calls of chosen kernels; the statements that must run before it go to `out`."""
+        """Return the expression without calls of chosen kernels; the statements that must run before it go to `out`."""
         if not self.has_calls(node):
             return node
         if self._callee_of(node):
@@ -284,7 +284,7 @@ class Inliner:
         return node
 
     def in_order(self, nodes, out):
-        """Expressions in Python's order of evaluation: a value that a later call could change is stored in a local before it."""
+        """Return expressions in Python's order of evaluation: a value that a later call could change is stored in a local before it."""
         made = []
         for number, node in enumerate(nodes):
             node = self.inline_expression(node, out)
@@ -295,7 +295,7 @@ class Inliner:
         return made
 
     def inline_logical(self, node, out):
-        """`a and f(b)` as a condition: f is called only if it would be."""
+        """Inline `a and f(b)` as a condition: f is called only if Python would call it."""
         made = self.new_local(INT)
         both = isinstance(node.op, ast.And)
         inside = [assign_node(made, ast.Constant(int(both)))]
@@ -309,8 +309,8 @@ class Inliner:
     # --- a call
 
     def expand_call(self, node, out, result):
-        """The called kernel's statements, to `out`; returns the name of the local that has what it returns. `result`: that name,
-        "" for a new one, None if it is not wanted."""
+        """Append the called kernel's statements to `out`; return the name of the local with its result. `result`: that name, "" for a new one, None
+        if it is not wanted."""
         callee = self._callee_of(node)
         if node.keywords or len(node.args) != len(callee.arguments):
             self.kernel.refuse(node, f"{callee.name}() takes {len(callee.arguments)} arguments, by their places")
@@ -356,7 +356,7 @@ class Inliner:
         return result
 
     def _global_nodes(self, callee, body, names):
-        """{name: node} of the callee's module globals, as the caller's module reads them."""
+        """Return {name: node} of the callee's module globals, as the caller's module reads them."""
         module, mine = callee.module, self.kernel.module
         numbers = self.program.constants[module]
         found = {}

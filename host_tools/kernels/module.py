@@ -64,7 +64,7 @@ Made = namedtuple("Made", "data by pointers")
 
 
 def find_compiler(march):
-    """(name, command, options to try, what it says it is), or None."""
+    """Return (name, command, options to try, version), or None."""
     return _find_compiler(march, os.environ.get("PASSO_KERNELS"))
 
 
@@ -86,7 +86,7 @@ def _version_of(command):
 
 
 def make_module(text, names, march):
-    """The module of a text of C, or None if nothing makes it here."""
+    """Return the module of a text of C, or None if nothing makes it here."""
     asked = os.environ.get("PASSO_KERNELS")
     if march not in ARCHITECTURE or asked == "viper":
         return None
@@ -97,17 +97,17 @@ def make_module(text, names, march):
 
 
 def origin_of(march):
-    """The things that a chip's modules depend on beside their C: the compiler, PASSO_KERNELS, and the names of the shipped modules."""
+    """Return everything on which a chip's modules depend beside their C: the compiler, PASSO_KERNELS, and the names of the shipped modules."""
     return find_compiler(march), os.environ.get("PASSO_KERNELS"), sorted(path.name for path in SHIPPED.glob("*.mpy"))
 
 
 def file_name_of(text, names, march):
-    """Name of the file that has the module of a text of C."""
+    """Return the name of the file that has the module of a text of C."""
     return _hash_text(text, names, march)[:24] + ".mpy"
 
 
 def compile_here(text, names, march):
-    """The module, compiled on this PC or taken from the cache of an earlier call; None if there is no compiler."""
+    """Compile the module on this PC, or take it from the cache of an earlier call; None if there is no compiler."""
     found = find_compiler(march)
     if found is None:
         return None
@@ -132,7 +132,7 @@ def _result_of(data, by, names, march):
 
 
 def best_code(text, march, command, options):
-    """The first code in which no word looks like a pointer; if there is none, what takes the least memory."""
+    """Return the first code in which no word looks like a pointer; if there is none, the one that takes the least memory."""
     found = []
     for option in options:
         moved, more = set(), set()
@@ -150,12 +150,12 @@ def best_code(text, march, command, options):
 
 
 def compile_c(text, command):
-    """The code of a text of C. Raises Failure if it does not compile, or depends on its address."""
+    """Return the code of a text of C. Raises Failure if it does not compile, or depends on its address."""
     return _link_twice(text, command)[0]
 
 
 def _link_twice(text, command):
-    """(code, the ELF that has it at 0)"""
+    """Return (code, the ELF that has it at address 0). Raises Failure if the code at another address differs."""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         (folder / "k.c").write_text(text, encoding="utf-8")
@@ -178,7 +178,7 @@ def _run_command(command, folder):
 
 
 def bytes_in_memory(elf, base):
-    """The bytes of an ELF that are loaded from `base` on. Raises Failure if there is data that can be written."""
+    """Return the bytes of an ELF that are loaded from `base` on. Raises Failure if there is data that can be written."""
     found = b""
     for kind, flags, address, position, length, _ in sections(elf):
         if flags & 2 and length:
@@ -189,7 +189,7 @@ def bytes_in_memory(elf, base):
 
 
 def pointer_positions(code, march):
-    """Byte offsets of words in the code that the collector would take for addresses of its heap."""
+    """Return the byte offsets of words in the code that the collector would take for addresses of its heap."""
     low, high = HEAPS.get(march, (0, 0))
     words = struct.unpack(f"<{len(code) // 4}I", code[: len(code) & ~3])
     return [4 * number for number, word in enumerate(words) if low <= word < high and word % 16 == 0]
@@ -203,13 +203,13 @@ def encode_number(value):
 
 
 def _mpy_head(names, march):
-    """The bytes before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
+    """Return the bytes before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
     table = b"".join(encode_number(len(name) << 1) + name.encode() + b"\0" for name in names)
     return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + encode_number(len(names)) + encode_number(1) + table + b"\0"
 
 
 def mpy_of(code, names, march):
-    """The .mpy, of one function of viper's kind."""
+    """Return the .mpy of one function of viper's kind."""
     return _mpy_head(names, march) + encode_number(len(code) << 3 | 2) + code + encode_number(0)
 
 

@@ -32,7 +32,7 @@ class Kernel:
 
     @cached_property
     def own_names(self):
-        """Its arguments and locals."""
+        """The names of its arguments and locals."""
         stored = {each.id for each in ast.walk(self.node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
         return stored | {name for name, _ in self.arguments}
 
@@ -42,7 +42,7 @@ class Kernel:
         return self.kinds_in(self.node)
 
     def kinds_in(self, node):
-        """{argument or local: kind} of a node that was made from this kernel's."""
+        """Return {argument or local: kind} of a node that was made from this kernel's."""
         found = dict(self.arguments)
         for node in statements_of(node.body):
             if isinstance(node, ast.Assign):
@@ -54,13 +54,13 @@ class Kernel:
         return found
 
     def kind_of(self, node, kinds):
-        """The kind of an expression in this kernel."""
+        """Return the kind of an expression in this kernel."""
         numbers = dict.fromkeys(self.program.constants.get(self.module, ()), INT)
         return kind_of(node, {**numbers, **kinds}, lambda call: self.program.kernel_of_call(self, call))
 
 
 def statements_of(body):
-    """Statements in the order of the text, those within others too."""
+    """Yield statements in the order of the text, those within others too."""
     for node in body:
         yield node
         for part in ("body", "orelse"):
@@ -68,7 +68,7 @@ def statements_of(body):
 
 
 def kind_of(node, kinds, kernel_of_call=lambda node: None):
-    """The kind of an expression: INT, BOOL, OBJECT or a pointer's name. `kinds`: {name: kind}; `kernel_of_call(node)`: the kernel that a call
+    """Return the kind of an expression: INT, BOOL, OBJECT or a pointer's name. `kinds`: {name: kind}; `kernel_of_call(node)`: the kernel that a call
     calls, or None."""
     if isinstance(node, ast.Name):
         return kinds.get(node.id, OBJECT)
@@ -95,7 +95,7 @@ def is_kernel(node):
 
 @lru_cache(maxsize=512)
 def tree_of(text):
-    """The tree of a text; nobody may change it."""
+    """Return the tree of a text; nobody may change it."""
     return ast.parse(text)
 
 
@@ -139,8 +139,8 @@ class Program:
                     numbers[node.targets[0].id] = value.value
 
     def kernel_of_name(self, module, node, passed_on=True):
-        """The kernel that a name, or `module.name`, stands for in a module; `passed_on`: also by way of a module that binds it
-        anew while it runs."""
+        """Return the kernel for which a name, or `module.name`, stands in a module; `passed_on`: also by way of a module that binds it anew while it
+        runs."""
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             base = self.imported.get(module, {}).get(node.value.id)
             full = f"{base}.{node.attr}" if base in self.paths else None
@@ -160,7 +160,7 @@ class Program:
         return self.kernels.get(full)
 
     def kernel_of_call(self, kernel, node, passed_on=True):
-        """The kernel that a node calls by its name."""
+        """Return the kernel that a node calls by its name, or None."""
         if not isinstance(node, ast.Call):
             return None
         if isinstance(node.func, ast.Name) and node.func.id in kernel.own_names:
@@ -168,18 +168,18 @@ class Program:
         return self.kernel_of_name(kernel.module, node.func, passed_on)
 
     def kernels_called(self, kernel):
-        """The kernels that it calls by name."""
+        """Return the kernels that it calls by name."""
         return [called for called in (self.kernel_of_call(kernel, node) for node in ast.walk(kernel.node)) if called]
 
     def marks_of(self, kernel):
-        """(arguments shared with interrupts, {argument: the kernel that it usually is}), as comments of the module say."""
+        """Return (arguments shared with interrupts, {argument: the kernel that it usually is}), as comments of the module say."""
         text = self.texts[kernel.path]
         shared = re.search(r"^# Shared with interrupts: (\w+(?:, \w+)*)", text, re.MULTILINE)
         usual = re.findall(r"^# `(\w+)` is usually ([\w.]+)", text, re.MULTILINE)
         return {name for name, _ in kernel.arguments} & set(shared[1].split(", ") if shared else ()), dict(usual)
 
     def modules_loaded_with(self, modules):
-        """These modules, and all that they import when they are imported."""
+        """Return these modules, and all that they import when they are imported."""
         found, queue = set(), [module for module in modules if module in self.paths]
         while queue:
             module = queue.pop()

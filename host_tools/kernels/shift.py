@@ -17,7 +17,7 @@ def shift_functions(text, names):
 
 
 def functions_at(elf, base, offsets):
-    """Names of the functions of an ELF whose code has any of these bytes, counted from `base`."""
+    """Return the names of the functions of an ELF whose code has any of these bytes, counted from `base`."""
     found = set()
     for name, begin, length in _functions_of(elf):
         if any(begin - base <= offset < begin - base + length for offset in offsets):
@@ -26,7 +26,7 @@ def functions_at(elf, base, offsets):
 
 
 def sections(elf):
-    """[(kind, flags, address, offset in the file, length, link)] of an ELF's sections."""
+    """Return [(kind, flags, address, offset in the file, length, link)] of an ELF's sections."""
     wide = elf[4] == 2
     (offset,) = struct.unpack_from("<Q" if wide else "<I", elf, 40 if wide else 32)
     size, count = struct.unpack_from("<HH", elf, 58 if wide else 46)
@@ -35,7 +35,7 @@ def sections(elf):
 
 
 def _functions_of(elf):
-    """(name, address, length) of each function of an ELF of 32 bits."""
+    """Yield (name, address, length) of each function of an ELF of 32 bits."""
     found = sections(elf)
     for kind, _, _, offset, length, link in found:
         if kind == _SYMBOLS:

@@ -63,7 +63,7 @@ class Function:
         return kind_of(node, {**self.numbers, **self.kinds}, self.kernel_of_call)
 
     def kernel_of_call(self, node):
-        """The kernel that a call calls, also by another name."""
+        """Return the kernel that a call calls, also by another name; or None."""
         if isinstance(node.func, ast.Name) and node.func.id in self.other_names:
             return self.other_names[node.func.id]
         return self.program.kernel_of_call(self.kernel, node)
@@ -74,7 +74,7 @@ class Function:
     # --- expressions
 
     def condition_text(self, node):
-        """As a condition, where `and`, `or` and `not` may stand."""
+        """Return the C of a condition, in which `and`, `or` and `not` may stand."""
         if isinstance(node, ast.BoolOp):
             return "(" + (" && " if isinstance(node.op, ast.And) else " || ").join(map(self.condition_text, node.values)) + ")"
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
@@ -114,7 +114,8 @@ class Function:
         self.refuse(node, f"{node.id} is no local, no argument and no constant: constants are whole numbers under names in capitals")
 
     def in_sequence(self, nodes, values, form):
-        """The C of `form(*values)`, evaluated in Python's order, which C does not promise: temporaries, if a value calls or is read from an array."""
+        """Return the C of `form(*values)`, evaluated in Python's order, which C does not promise: with temporaries, if a value calls or is read from
+        an array."""
         calls = [any(isinstance(each, ast.Call) for each in ast.walk(node)) or "looked(" in value for node, value in zip(nodes, values)]
         reads = [call or "[" in value for call, value in zip(calls, values)]
         if not any(calls) or sum(reads) < 2:
@@ -154,7 +155,7 @@ class Function:
         return f"({self.condition_text(node.test)} ? {self.value_text(node.body)} : {self.value_text(node.orelse)})"
 
     def _element_text(self, node):
-        """(C of the element, whether interrupts or hardware change it)."""
+        """Return (C of the element, whether interrupts or hardware change it)."""
         if self.kind_of(node.value) not in POINTERS:
             self.refuse(node, f"{ast.unparse(node.value)} is no array: write ptr32(…)")
         hardware = isinstance(node.value, ast.Call) and self.kind_of(node.value.args[0]) in (INT, BOOL)
@@ -241,7 +242,7 @@ class Function:
         return f"to_object(at, {self.value_text(node)})"
 
     def needs_objects(self):
-        """Whether it, or a kernel that it calls, calls the interpreter."""
+        """True if it, or a kernel that it calls, calls the interpreter."""
         if self.with_objects is None:
             self.with_objects = False  # a kernel that calls this one again adds nothing
             for node in ast.walk(self.kernel.node):
@@ -268,7 +269,7 @@ class Function:
         return [f"    {line}" for node in body for line in self.statement_lines(node)]
 
     def statement_lines(self, node):
-        """Its lines of C."""
+        """Return the lines of C of a statement."""
         if isinstance(node, ast.Expr):
             return [] if isinstance(node.value, ast.Constant) else [f"{self.value_text(node.value)};"]
         if isinstance(node, ast.Assign):
@@ -358,7 +359,7 @@ class Function:
         return f"call_{self.c_name}"
 
     def wrapper_text(self):
-        """The C function that Python calls: arguments are objects, as of viper."""
+        """Return the C function that Python calls: arguments are objects, as of viper."""
         given = ["at"] if self.needs_objects() else []
         for number, (_, kind) in enumerate(self.kernel.arguments):
             given.append(f"args[{number}]" if kind == OBJECT else f"{'to_int' if kind == INT else 'array_of'}(at, args[{number}])")
@@ -372,7 +373,7 @@ class Function:
 
 
     def pc_function(self):
-        """The C function that ctypes calls on a PC."""
+        """Return the C function that ctypes calls on a PC."""
         given = (["at"] if self.needs_objects() else []) + ["v_" + name for name, _ in self.kernel.arguments]
         head = self.head_text().removeprefix("static ").replace(f" {self.c_name}(", f" pc_{self.c_name}(")
         return f"{head} {{\n    {'return ' if self.kernel.returns else ''}{self.c_name}({', '.join(given)});\n}}\n"

@@ -30,7 +30,7 @@ class Unit:
         return f"NAME({self.names.index(name)})"
 
     def python_name(self, kernel):
-        """Under which the module has it: short, for a board keeps each name for ever."""
+        """Return the name of a kernel in the module: short, because a board keeps each name for ever."""
         return f"_{[each.kernel.full for each in self.called].index(kernel.full)}"
 
     def text(self, runtime):
@@ -48,7 +48,7 @@ class Unit:
         return f"{runtime}\n{heads}\n{bodies}" + "".join(each.pc_function() for each in self.called)
 
     def _c_parts(self):
-        """(C of all heads, C of all functions, those that are called as objects, too)"""
+        """Return (C of all heads, C of all functions, functions that are called as objects, too)."""
         texts = {}
         while texts.keys() != self.functions.keys():  # a text may want more of them
             for full in [each for each in self.functions if each not in texts]:

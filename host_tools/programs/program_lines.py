@@ -44,13 +44,13 @@ else:  # MicroPython
 
 
 def raw_lines_of(data):
-    """The raw lines of a whole file's bytes."""
+    """Return the raw lines of a whole file's bytes."""
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
 
 
 def program_lines(raw_lines, ended=None):
-    """Yields (number, line) of a file's raw lines. `ended(number, behind)` is called if lines that say something follow the last one, `number`.
-    Raises WrongLetter."""
+    """Yield (number, line) of a file's raw lines. Calls `ended(number, behind)` if lines that say something follow the last one, `number`. Raises
+    WrongLetter."""
     raw_lines = iter(raw_lines)
     number, begun, last = 0, False, 0
     for raw in raw_lines:
@@ -78,7 +78,7 @@ def program_lines(raw_lines, ended=None):
 
 
 def strip_line(raw):
-    """A raw line as the controller sees it: without comments, blanks and control characters. Raises WrongLetter."""
+    """Return a raw line as the controller sees it: without comments, blanks and control characters. Raises WrongLetter."""
     if b"(" in raw or b";" in raw:
         raw = _without_comments(raw)
     line = _drop_bytes(raw, _DROPPED)
@@ -99,7 +99,7 @@ def _without_comments(raw):
 
 
 def _without_blanks(raw):
-    """The same of a line that is no plain ASCII."""
+    """Return a line without blanks, also without those that are no ASCII. Raises WrongLetter."""
     text = "".join([letter for letter in text_of(raw) if letter not in _BLANKS])
     for letter in text:
         if ord(letter) > 127 or ord(letter) in _REAL_TIME:
@@ -108,7 +108,7 @@ def _without_blanks(raw):
 
 
 def plain_text(raw):
-    """A raw line as text, comments and all, for a compiler that has its own: with common blanks. Raises WrongLetter."""
+    """Return a raw line as text, comments and all, with common blanks, for a compiler. Raises WrongLetter."""
     text = text_of(raw)
     if not _drop_bytes(raw, _PLAIN + _DROPPED + _REAL_TIME):
         return text
@@ -117,7 +117,7 @@ def plain_text(raw):
 
 
 def text_of(raw):
-    """The text of bytes that are UTF-8, or Latin-1 as older programs write it."""
+    """Decode bytes that are UTF-8, or Latin-1 as older programs write it."""
     try:
         return raw.decode()
     except UnicodeError:
@@ -125,12 +125,12 @@ def text_of(raw):
 
 
 def latin_bytes(text):
-    """A file's text as bytes, one a letter, for readers that count letters. Letters that Latin-1 lacks become a blank if they are blanks, else ?."""
+    """Encode a file's text as Latin-1, one byte a letter, for readers that count letters. Other letters become a blank if they are blanks, else ?."""
     return "".join([" " if letter in _BLANKS else letter for letter in text]).encode("latin-1", "replace")
 
 
 def name_letter(letter):
-    """Its name in Unicode: “U+2212 MINUS SIGN”."""
+    """Return a letter's name in Unicode: “U+2212 MINUS SIGN”."""
     code = "U+%04X" % ord(letter)
     if unicodedata and "\x80" <= letter <= "\x9f":  # Windows has letters there
         letter = letter.encode("latin-1").decode("cp1252", "ignore") or letter
@@ -144,7 +144,7 @@ def _names_program(line):
 
 
 def _words_of(line):
-    """The words of a line in capitals: behind = a row has its powers, packed; a $ line has none."""
+    """Return the words of a line in capitals, without the packed powers behind =; b"" of a $ line."""
     return b"" if line[:1] == b"$" else line.partition(b"=")[0].upper()
 
 
@@ -166,7 +166,7 @@ def ends_program(line):
 
 
 def _without_number(line):
-    """`line` without its N word. One that the controller refuses stays."""
+    """Return `line` without its N word. A line that the controller refuses stays as it is."""
     words = _words_of(line)
     at = words.find(b"N")
     if at < 0 or words.count(b"N") > 1:
@@ -198,12 +198,12 @@ def changes_settings(line):
 
 
 def bare_line(line):
-    """A $ line as the firmware reads it: in capitals, / and blanks count for nothing."""
+    """Return a $ line as the firmware reads it: in capitals, without / and blanks."""
     return bytes([byte for byte in line if byte > 32 and byte != 47]).upper()
 
 
 def job_error(line):
-    """0, or the number of an error: a job may not have this line, as it is sent, for it changes more than the job's own motion."""
+    """Return 0, or the number of an error if a job may not have this line, because it changes more than the job's own motion."""
     if b"$" in line.partition(b"=")[0] and bare_line(line) != b"$H":
         return errors.JOB_LINE
     for byte in line:
@@ -213,7 +213,7 @@ def job_error(line):
 
 
 def first_job_error(lines):
-    """(number, error) of the first of [(number, line)] that a job may not have; (0, 0): all are right."""
+    """Return (number, error) of the first of [(number, line)] that a job may not have; (0, 0) if all are right."""
     for number, line in lines:
         error = job_error(line)
         if error:

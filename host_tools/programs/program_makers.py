@@ -24,7 +24,7 @@ _MAKERS = (
 
 
 def advice_for(first):
-    """The settings to choose in the program that wrote the file which begins with `first`; "" if none of them did."""
+    """Return the settings to choose in the program that wrote the file which begins with `first`; "" if none of them did."""
     for begins, text in _MAKERS:
         if found := begins.search(first):
             return _(text, *(each.decode("ascii", "replace") for each in found.groups()[: text.count("{}")]))
@@ -32,6 +32,6 @@ def advice_for(first):
 
 
 def advice_of(path):
-    """The same of a file."""
+    """Return the settings to choose in the program that wrote this file; "" if it is not known."""
     with open(path, "rb") as file:
         return advice_for(file.read(file_kinds.FIRST))

@@ -34,7 +34,8 @@ def remember_program(lines, name):
 
 
 def remember_name(number, name, last):
-    """The oldest are forgotten. A folder that cannot be written is no reason not to begin."""
+    """Remember the name of a program and its last line that moves, by its number. The oldest are forgotten. A folder that cannot be written is
+    ignored."""
     known = _read_kept()
     known.pop(f"{number:08x}", None)
     known[f"{number:08x}"] = [name, last]

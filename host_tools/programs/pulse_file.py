@@ -8,7 +8,7 @@ _LETTERS = {}
 
 
 def load_pulses(path):
-    """The bytes of a pulse file. Raises Failure, also if it has a control command in braces."""
+    """Read the bytes of a pulse file. Raises Failure, also if it has a control command in braces."""
     from host_tools.clients.pulses_wire import brace_in
     from host_tools.language import error_text
     from passo import errors
@@ -24,7 +24,7 @@ def load_pulses(path):
 
 
 def read_items(data, axes, config, name="the file"):
-    """The items of a file (see passo.commands). Raises Failure with line and column of the fault."""
+    """Return the items of a file (see passo.commands). Raises Failure with line and column of the fault."""
     from host_tools.language import error_text
     from passo.commands import STEPS_ABORT, STEPS_ITEMS
     from passo.protocols.pulses.protocol import Pulses, frame
@@ -87,7 +87,7 @@ class Course:
 
 
 def letter_of(mask, negative):
-    """The code of one step."""
+    """Return the code of one step; `mask`: the axes that step, `negative`: those that step back."""
     from passo.protocols.pulses.codes import CODES
 
     if not _LETTERS:
@@ -124,11 +124,8 @@ class Converter:
         self._tool = False
 
     def convert(self, lines):
-        """The text of [(number, bytes)], up to M2 or M30. Raises Failure at the first line that cannot be converted.
-
-        If the program has no S at all, M3 and M4 switch the tool on. If it has, S0 keeps the tool off, as on a machine with a
-        spindle.
-        """
+        """Return the text of a pulse file for [(number, bytes)], up to M2 or M30. Raises Failure at the first line that cannot be converted. If the
+        program has no S at all, M3 and M4 switch the tool on. If it has, S0 keeps the tool off, as on a machine with a spindle."""
         from host_tools.programs.pulse_shapes import break_lines as folded
         from host_tools.language import error_text
 
@@ -198,14 +195,14 @@ class Converter:
             self._parts.append("".join(letters))
 
     def _line_walkers(self, all_deltas):
-        """The walker of one line after the other."""
+        """Yield the firmware's walker, set up for one line after the other."""
         for deltas in all_deltas:
             if any(deltas):
                 self._line.begin(deltas)
                 yield self._line
 
     def _walkers_of(self, command, deltas):
-        """The walkers of an arc: a circle's, or as in control.stream_queue those of its chords."""
+        """Return the walkers of an arc: a circle's, or as in control.stream_queue those of its chords."""
         from passo.motion import arc
         from passo.motion.ellipse import Ellipse
 

@@ -18,8 +18,8 @@ from host_tools.programs.recognition import pieces
 
 
 def to_gcode(found, board, beside=None):
-    """(text, {"lines": …, "arcs": …, "steps": …}) of a file's items. `beside`: (LEFT or RIGHT, the tool's radius in mm), None: as it
-    was taught. Raises Failure if there is not a step in it, or a contour cannot be compensated."""
+    """Return (text, {"lines": …, "arcs": …, "steps": …}) of a file's items. `beside`: (LEFT or RIGHT, the tool's radius in mm); None: no
+    compensation. Raises Failure if there is not a step in it, or a contour cannot be compensated."""
     writer = _Writer(board) if beside is None else _Compensated(board, *beside)
     for kind, value in _group_runs(found, len(board["axes"][:3])):
         writer.add_item(kind, value)
@@ -32,7 +32,7 @@ def to_gcode(found, board, beside=None):
 
 
 def moves_of(items, axes):
-    """The steps of items (of runs only) as an array of steps × axes."""
+    """Return the steps of items (of runs only) as an array of steps × axes, each −1, 0 or 1."""
     items = np.array(items, np.int64)
     counts = items >> 8
     rows = np.stack([((items >> axis) & 1) * (1 - 2 * ((items >> (4 + axis)) & 1)) for axis in range(axes)], axis=1)
@@ -40,7 +40,8 @@ def moves_of(items, axes):
 
 
 def _group_runs(found, axes):
-    """("steps", moves) and (kind, value) of marks, in their order. A code that changes neither a step's speed nor the tool does not part steps."""
+    """Yield ("steps", moves) and (kind, value) of marks, in their order. A code that changes neither a step's speed nor the tool does not part
+    steps."""
     steps = []
     for item in found:
         if item & 15:
@@ -179,8 +180,7 @@ class _Compensated(_Writer):
         return _Writer.gcode_text(self)
 
     def _put_lead(self, line):
-        """The way to the next contour: in place of the last travel, so that Z goes down where it did; where there was none, before Z's last
-        move."""
+        """Put the way to the next contour in place of the last travel, so that Z goes down where it did; without a travel, before Z's last move."""
         if self._travel is not None:
             self._lines[self._travel] = line
         else:
@@ -226,7 +226,7 @@ class _Compensated(_Writer):
 
 
 def _from_amid(contour):
-    """A closed contour that begins with a line begins in the middle of it: there its ends meet without a corner."""
+    """Return a closed contour that begins in the middle of its first line: there its ends meet without a corner. Other contours stay."""
     from host_tools.programs.compensation import SMALL, Piece
 
     piece, speed = contour[0]

@@ -22,7 +22,7 @@ _STRAIGHT = math.cos(math.radians(1.0))
 
 
 def with_ramps(found, board, accel_mm_s2):
-    """The text of a pulse file with the steps and marks of `found` and speeds that accelerate by `accel_mm_s2` at most."""
+    """Return the text of a pulse file with the steps and marks of `found` and speeds that accelerate by `accel_mm_s2` at most."""
     from passo import commands
     from passo.options.step_program.control_orders import lengths_of
 
@@ -78,7 +78,7 @@ class _Maker:
             self._marks.append((self._count, text))
 
     def write_run(self):
-        """Write what has been collected: the machine stands before and behind it."""
+        """Write the steps collected. The machine stands before and behind them."""
         if self._items:
             moves, tops = self._step_arrays()
             self._write_steps(moves, self._speed_profile(moves, tops))
@@ -94,7 +94,7 @@ class _Maker:
         return moves_of([item for item, _ in self._items], len(self._mm)), tops
 
     def _speed_profile(self, moves, tops):
-        """mm/s of each step; 0 where the operator decides."""
+        """Return the speed of each step in mm/s; 0 where the operator decides."""
         ways = np.abs(moves * self._mm)
         way = np.sqrt((ways**2).sum(axis=1))
         limit = tops.copy()
@@ -117,7 +117,7 @@ class _Maker:
         return self._ramp_speeds(limit, gates, way)
 
     def _ramp_speeds(self, limit, gates, way):
-        """Forward and backward: v² grows by 2 a s at most. The first and last step of a ramp from rest take their own length."""
+        """Limit speeds (mm/s) forward and backward: v² grows by 2 a s at most. The first and last step of a ramp from rest take their own length."""
         double = 2 * self._accel * way
         top = np.where(limit > 0, limit, self._fastest / 60) ** 2
         square = np.minimum(top, np.minimum(gates[:-1], gates[1:]) ** 2 + double).tolist()
@@ -130,7 +130,7 @@ class _Maker:
         return np.where(limit > 0, np.sqrt(square), 0.0)
 
     def _end_directions(self, piece):
-        """Unit vectors at a piece's start and end."""
+        """Return the unit vectors at a piece's start and end."""
         if not piece.centre:
             vector = np.array(piece.deltas) * self._mm
             vector = vector / (np.sqrt((vector**2).sum()) or 1.0)
@@ -145,6 +145,7 @@ class _Maker:
         return found
 
     def _corner_speed(self, out, into):
+        """Return the speed, mm/s, at a corner between two unit vectors, by the junction deviation (S. K. Jeon's formula, as in grbl)."""
         cosine = float(out @ into)
         if cosine > _STRAIGHT:
             return np.inf
@@ -152,7 +153,7 @@ class _Maker:
         return math.sqrt(self._accel * self._deviation * half / (1 - half)) if half < 1 else np.inf
 
     def _write_steps(self, moves, speeds):
-        """Steps, with a speed where it has changed by a level, and the marks at their places."""
+        """Write steps, with a speed where it changes by a level, and the marks at their places."""
         levels = np.where(speeds > 0, np.round(np.log(np.maximum(speeds, 1e-6)) / math.log(_FINER)), -(10**6)).astype(np.int64)
         masks = np.zeros(len(moves), np.int64)
         for axis in range(moves.shape[1]):

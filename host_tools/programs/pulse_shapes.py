@@ -18,8 +18,8 @@ _LINE = 100  # codes
 
 
 def shape_text(shape, steps_per_mm, speed=1000, down=None):
-    """The file of a shape: `[`, the speed, the tool on, the sides, all off. `down`: how many steps the tool goes down
-    by (Z−) before it cuts, and up again behind."""
+    """Return the file of a shape: `[`, the speed in mm/min, the tool on, the sides, all off. `down`: steps by which the tool goes down (Z−) before
+    it cuts, and up again behind."""
     corners = SHAPES[shape]
     steps = round(10 * steps_per_mm)
     parts = ["[\n+%d\n(\n" % speed]
@@ -38,5 +38,5 @@ def shape_text(shape, steps_per_mm, speed=1000, down=None):
 
 
 def break_lines(codes):
-    """`codes` in lines that an editor likes."""
+    """Break `codes` into lines of a length that editors show well."""
     return "".join([codes[at : at + _LINE] + "\n" for at in range(0, len(codes), _LINE)])

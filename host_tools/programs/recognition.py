@@ -38,7 +38,7 @@ class Piece:
 
 
 def pieces(moves, arcs=True):
-    """Yields the Pieces of `moves`, in their order. `arcs`: False where axes differ in steps/mm, and arcs are none."""
+    """Yield the Pieces of `moves`, in their order. `arcs`: False if axes differ in steps/mm, so that there are no arcs."""
     moves = np.asarray(moves, np.int8)
     finder = _Finder(moves, arcs)
     at = 0
@@ -70,7 +70,7 @@ class _Finder:
     # --- lines
 
     def _find_line(self, at):
-        """(steps of the line from `at`, how far it and the next one lead)."""
+        """Return (steps of the line from `at`, steps of it and the next one)."""
         ends = self._line_ends(at)
         if at + ends[-1] == len(self._moves):
             return ends[-1], ends[-1]
@@ -81,7 +81,7 @@ class _Finder:
         return self._line_ends(at)[-1] if at < len(self._moves) else 0
 
     def _line_ends(self, at):
-        """The possible numbers of steps of a line from `at`, in order."""
+        """Return the possible numbers of steps of a line from `at`, in order."""
         if at not in self._known:
             if len(self._known) > 64:
                 self._known.clear()
@@ -95,7 +95,7 @@ class _Finder:
         return self._known[at]
 
     def _ends_within(self, at, window):
-        """The same within `window` steps, and whether a line could lead beyond."""
+        """Return (the possible numbers of steps of a line from `at` within `window` steps, whether a line could lead beyond)."""
         moves = self._moves[at : at + window]
         signs = [_first_sign(moves[:, axis]) for axis in range(moves.shape[1])]
         same = (moves * np.array(signs, np.int8) >= 0).all(axis=1)
@@ -124,8 +124,8 @@ class _Finder:
     # --- arcs
 
     def _before_an_arc(self, at, count):
-        """The end of the line of `count` steps from `at`: if an arc goes on from it without a corner, the arc's first steps lie on
-        the line too, and belong to the arc."""
+        """Return where the line of `count` steps from `at` ends: if an arc goes on from it without a corner, the arc's first steps lie on the line
+        too, and belong to the arc."""
         for plane in ((0, 1), (2, 0), (1, 2)):
             if max(plane) >= self._moves.shape[1]:
                 continue
@@ -148,7 +148,7 @@ class _Finder:
         return count
 
     def _find_arc(self, at, least):
-        """The arc from `at`, if there is one of more than `least` steps."""
+        """Return the arc from `at`, if there is one of more than `least` steps; else None."""
         best = None
         for plane in ((0, 1), (2, 0), (1, 2)):
             if max(plane) < self._moves.shape[1]:
@@ -164,7 +164,7 @@ class _Finder:
         return self._end_arc(at, found[0], found[2], clockwise, plane, least)
 
     def _fit_circle(self, at, plane):
-        """(steps, centre, clockwise) of the circle through the point at `at` on which the most steps lie, or None."""
+        """Return (steps, centre, clockwise) of the circle through the point at `at` on which the most steps lie, or None."""
         others = [axis for axis in range(self._moves.shape[1]) if axis not in plane]
         still = _count_leading(~self._moves[at:, others].any(axis=1)) if others else len(self._moves) - at
         points = self._places[at : at + still + 1][:, list(plane)] - self._places[at][list(plane)]
@@ -199,11 +199,11 @@ class _Finder:
         return count, (x, y), clockwise
 
     def _count_followed(self, at, centre, clockwise, plane):
-        """How many steps from `at` the walk of the full circle about `centre` makes, too."""
+        """Count the steps from `at` that the walk of the full circle about `centre` makes, too."""
         return self._walk_arc(at, centre, clockwise, plane, [0] * self._moves.shape[1], True)[0]
 
     def _walk_arc(self, at, centre, clockwise, plane, deltas, over_half):
-        """(steps that the walk of an arc shares with those from `at`, whether that is all of the walk)."""
+        """Return (steps that the walk of an arc shares with those from `at`, whether that is all of the walk)."""
         from passo.motion import arc
         from passo.motion.circle import Circle
         from passo.motion.line import MAX_RUN
@@ -234,7 +234,7 @@ class _Finder:
         return done, True
 
     def _end_arc(self, at, follows, centre, clockwise, plane, least):
-        """The arc that ends where the circle is left, or a little behind or before that: the longest whose walk is exactly so."""
+        """Return the arc that ends at the end of the circle, or a little behind or before it: the longest whose walk is exactly these steps."""
         radius = int(np.hypot(*centre))
         possible = []
         first = min(follows + _TAIL, len(self._moves) - at)
@@ -253,7 +253,7 @@ class _Finder:
         return max(possible, key=lambda row: row[:3])[3] if possible else None
 
     def _bend_at(self, at, plane, radius):
-        """How far the line that goes on from `at` is from the arc's tangent there: 0 along it, 1 across it."""
+        """Return how far the line that goes on from `at` is from the arc's tangent there: 0 along it, 1 across it."""
         way = self._places[at + self._line_reach(at)][list(plane)] - self._places[at][list(plane)]
         return round(abs(float(way @ radius)) / float(np.hypot(*way) * np.hypot(*radius) or 1), 3)
 
@@ -264,13 +264,13 @@ def _first_sign(column):
 
 
 def _count_leading(flags):
-    """How many of `flags` are true before the first that is not."""
+    """Count the `flags` that are true before the first that is not."""
     wrong = np.flatnonzero(~np.asarray(flags, bool))
     return int(wrong[0]) if len(wrong) else len(flags)
 
 
 def fit_circle(points):
-    """(centre, how far the farthest point lies off) of the circle through 0;0 nearest to `points`; None if they lie in a row."""
+    """Fit the circle through 0;0 nearest to `points`; return (centre, how far the farthest point lies off), in steps; None if they lie in a row."""
     x, y = points[:, 0].astype(float), points[:, 1].astype(float)
     square = (x * x + y * y) / 2
     xx, xy, yy = x @ x, x @ y, y @ y
@@ -299,8 +299,8 @@ def fit_circle(points):
 
 
 def near_centres(centre, reach=None):
-    """Whole centres: those around `centre`, and those along the radius, where a short arc says least; the nearest first. `reach`: how
-    far along, in steps."""
+    """Return whole centres around `centre` and along the radius, where a short arc says least; the nearest first. `reach`: how far along, in steps.
+    Return whole centres around `centre` and along the radius, where a short arc says least; the nearest first. `reach`: how far along, in steps."""
     x, y = centre
     radius = max(float(np.hypot(x, y)), 1.0)
     found = {}

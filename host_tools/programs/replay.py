@@ -67,8 +67,8 @@ class Replay:
     # --- the two ways in
 
     def from_line(self, number, end=None):
-        """Begin at line `number` of the file, from where the lines before it end. `end`: where the machine has been there, steps.
-        Raises Failure."""
+        """Begin at line `number` of the file, at the end of the lines before it; return (stages, the other lines). `end`: where the machine has been
+        there, steps. Raises Failure."""
         at = self._index_of(number)
         for index in range(at):
             self._carry_out(index)
@@ -80,8 +80,8 @@ class Replay:
         return self._build_stages(self._level_place(), None), self._remaining_rows(at)
 
     def _level_place(self):
-        """The program's position in steps; in a series of cycles Z is at least the height to which G98 returns, at which
-        the series begins anew."""
+        """Return the program's position in steps. In a series of cycles Z is at least the height to which G98 returns, at which the series begins
+        anew."""
         place = list(self._board.target)
         if CODES.get(self._gcode.motion, 0) & CYCLE:
             height = self._gcode.cycle[1] + self._offsets.offset_of(self._gcode.system, TOOL_AXIS)
@@ -113,14 +113,14 @@ class Replay:
         return self._build_stages(list(place), [*modes, *moving, *after]), self._remaining_rows(at + 1)
 
     def _with_number(self, at, line):
-        """`line` with the number of line `at`: to the journal it is that line."""
+        """Return `line` with the number of line `at`, so that the journal counts it as that line."""
         return number_line(self._lines[at][0], line.encode()).decode()
 
     # --- what is not known of how the program began
 
     def check_offsets(self, number):
-        """Raise Failure if from line `number` on the program relies on offsets that it changes later, or has changed: their values at
-        its beginning are not known."""
+        """Raise Failure if from line `number` on the program relies on offsets that it changes later, or has changed: their values at its beginning
+        are not known."""
         changed = self._find_changes()
         if not changed:
             return
@@ -141,7 +141,7 @@ class Replay:
                     return
 
     def _find_changes(self):
-        """{"G54": axes} of the places that the program changes for good."""
+        """Return {"G54": axes} of the positions that the program changes for good."""
         changed = {}
         for _, line in self._lines:
             found = _CHANGES.search(line.upper())
@@ -161,7 +161,7 @@ class Replay:
         return changed
 
     def _with_other_offsets(self, changed):
-        """The machine, those places being others."""
+        """Return a copy of the machine with other values at those positions."""
         machine = self._machine
         count = len(machine.steps_per_mm)
         systems = dict(machine.systems)
@@ -172,8 +172,8 @@ class Replay:
         return replace(machine, systems=systems, tools={**machine.tools, **tools})
 
     def from_start(self, number, place, done):
-        """The replay that begins where the machine stood when the program did, as far as that decides anything: found from `place`, where it was
-        when the line before `number` was `done`, or amid line `number`. Raises Failure if that does not tell."""
+        """Return the Replay that begins where the machine stood when the program did, as far as that decides anything: found from `place`, where it
+        was when the line before `number` was `done`, or amid line `number`. Raises Failure if that does not tell."""
         at = self._index_of(number)
         twins = [Replay(self._machine, self._lines, [round(by * scale) for scale in self._machine.steps_per_mm]) for by in (0, _OTHER_MM)]
         for twin in twins:
@@ -239,7 +239,7 @@ class Replay:
                     self._highest = max(command.target[TOOL_AXIS], self._highest or command.target[TOOL_AXIS])
 
     def _single_motion(self, index):
-        """The only motion of a line, a line or an arc of one turn at most; None for all others."""
+        """Return the only motion of a line, a line or an arc of one turn at most; None for all others."""
         made = [command for command in self._interpret_line(index) if command.target is not None]
         if len(made) != 1 or made[0].kind not in (commands.LINE, commands.ARC):
             return None
@@ -283,7 +283,7 @@ class Replay:
         return f"G94F{motion.feed * 60 / NM:.4f}"
 
     def _remaining_lines(self, motion, start, place):
-        """The lines that lead from `place` to the end of `motion`, absolute and in millimetres; the last moves."""
+        """Return the lines that lead from `place` to the end of `motion`, absolute and in millimetres; the last moves."""
         if motion.kind == commands.LINE:
             if not motion.feed and not motion.per_min:
                 return ["G90G21", f"G53G0{self._axis_words(motion.target)}"]
@@ -306,7 +306,7 @@ class Replay:
         return [f"G90G21G{plane}{self._feed_words(motion)}", f"G{2 if motion.clockwise else 3}{ends}{ways}"]
 
     def _dots_left(self, motion, start, place):
-        """The lines that burn what is left of a row of dots: of the one under way, then of the others, several a line."""
+        """Return the lines that burn the rest of a row of dots: of the dot under way, then of the others, several a line."""
         if motion.per_min:
             raise Failure("a row of dots in G93 cannot be gone on with amid its way; begin at its line with --from")
         long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
@@ -326,7 +326,7 @@ class Replay:
         return lines
 
     def _build_stages(self, place, remainder):
-        """[(what, lines)] up to the state that holds now, at `place`."""
+        """Return [(what, lines)] that bring the machine into the state that holds now, at `place`."""
         gcode, machine = self._gcode, self._machine
         gcode.leave_batch()
         self.held = self._state_at_line(place)
@@ -353,7 +353,7 @@ class Replay:
         return [(what, lines) for what, lines in stages if lines]
 
     def _state_at_line(self, place):
-        """The state of the program as people say it, for a page: lengths in mm of the work, the feed in mm/min."""
+        """Return the program's state for a page: lengths in mm of the work, the feed in mm/min."""
         gcode = self._gcode
         work = [round(self._steps_mm(place, axis) - self._offsets.offset_of(gcode.system, axis) / NM, 3) for axis in range(len(place))]
         return {
@@ -363,7 +363,7 @@ class Replay:
         }  # fmt: skip
 
     def _clear_height(self):
-        """The height at which the tool is clear of everything, mm."""
+        """Return the height at which the tool is clear of everything, in mm."""
         if self._machine.homes:
             return self._machine.top_mm
         return (self._highest or 0) / self._machine.steps_per_mm[TOOL_AXIS] + _CLEARANCE_MM
@@ -412,7 +412,7 @@ class Replay:
         return gcode.motion not in (0, 100, 8000) or gcode.motion == 100 and not (gcode.per_minute and gcode.feed)
 
     def _remaining_rows(self, at):
-        """The lines from index `at` on; the first that relies on a mode which no line without axis words can restore says it."""
+        """Return the lines from index `at` on. The first that relies on a mode which no line without axis words can restore gets that mode's word."""
         rest = self._lines[at:]
         mode = self._gcode.motion
         if not self._mode_needs_motion():
@@ -429,7 +429,7 @@ class Replay:
         return rest
 
     def _cycle_words(self, mode, line):
-        """The words of a canned cycle that `line` leaves to those before it."""
+        """Return the words of a canned cycle that `line` leaves to those before it."""
         gcode = self._gcode
         _, _, above, bottom, dwell, peck = gcode.cycle
         unit = 25.4 * NM if gcode.inches else NM

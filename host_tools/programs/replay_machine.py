@@ -28,7 +28,7 @@ class Machine:
 
     @classmethod
     def of_answers(cls, settings, parameters, about=()):
-        """From the answers to `$$`, `$#` and `$I`."""
+        """Make a Machine of the answers to `$$`, `$#` and `$I`."""
         values = settings_of(settings)
         axes = len([number for number in range(100, 100 + len(AXES)) if number in values])
         rotary = next((line for line in about if line.startswith("[ROTARY:")), "")
@@ -69,8 +69,8 @@ class Board:
 
 
 def exact_words(board, position, steps, axes):
-    """The words of a place in steps; of an axis on which the program stands there, its `position` to the nanometre: an arc that closes
-    there is a whole turn."""
+    """Return the words of a position in steps; of an axis on which the program stands there, its `position` to the nanometre, because an arc that
+    closes there is a whole turn."""
     found = ""
     for axis in axes:
         nm = position[axis]
@@ -81,7 +81,7 @@ def exact_words(board, position, steps, axes):
 
 
 def commands_of(made):
-    """The commands of a line; those of a canned cycle are made one by one."""
+    """Yield the commands of a line; those of a canned cycle are made one by one."""
     for command in made:
         if command.kind == commands.MORE:
             yield from iter(partial(next, command.value), None)

@@ -7,12 +7,12 @@ from host_tools.programs.job_record import Record
 
 
 def number_of(lines):
-    """The number by which a board's journal knows a program."""
+    """Return the number by which a board's journal knows a program: the CRC-32 of its lines."""
     return binascii.crc32(b"\n".join(line for _, line in lines)) or 1
 
 
 def resume_point(said, lines, stored=0):
-    """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
+    """Return (line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
     program as a stored job. Raises Failure if the journal is of another program, or this one has been done."""
     record = Record.of_job(said)
     line = record.line
@@ -28,7 +28,8 @@ def resume_point(said, lines, stored=0):
 
 
 def end_position(said):
-    """The end, in steps, of the line that an answer to `$JR` says is done; before the first line where the program began; None amid a line."""
+    """Return the end, in steps, of the line that an answer to `$JR` says is done; before the first line the place where the program began; None amid
+    a line."""
     record = Record.of_answer(said)
     return record.place if record.done or not record.line else None
 

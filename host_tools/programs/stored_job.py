@@ -21,12 +21,12 @@ LISTED = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LA
 
 
 def name_by_crc(said, number):
-    """The name of the job with this CRC-32 in the answer to `$F`, or ""."""
+    """Return the name of the job with this CRC-32 in the answer to `$F`, or ""."""
     return next((name for name, _, _, crc, _ in LISTED.findall("\n".join(said)) if int(crc, 16) == number), "")
 
 
 def pack_job(data):
-    """`data` deflated, with the window that a board has."""
+    """Return `data` deflated, with the window that a board has."""
     packer = zlib.compressobj(9, zlib.DEFLATED, -WINDOW_BITS, 9)
     return packer.compress(data) + packer.flush()
 
@@ -36,21 +36,21 @@ def crc_of(data):
 
 
 def name_of(path):
-    """A job's name for a file: its name in capitals, with '_' for letters that a job's name may not have."""
+    """Return a job's name for a file: its name in capitals, with '_' for letters that a job's name may not have."""
     name = re.sub(f"[^{re.escape(NAME_LETTERS)}]", "_", Path(path).name.upper()).lstrip(".")
     return name[-LONGEST_NAME:]
 
 
 def gcode_job(path, ended=None):
-    """A G-code file as a job: a line for each of its lines up to the program's end, without comments and blanks, numbered by N words as `passo stream`
-    numbers them, so that status reports and errors name the file's line. `ended`: see program_lines(). Raises Failure, also if no job may have a line."""
+    """Read a G-code file as a job: a line for each of its lines up to the program's end, without comments and blanks, with the N words of `passo
+    stream`, so that status reports and errors name the file's line. `ended`: see program_lines(). Raises Failure, also if no job may have a line."""
     from host_tools.programs import gcode_file
 
     return gcode_lines(gcode_file.read(path, ended, True))
 
 
 def gcode_lines(lines):
-    """The same of a file's [(number, bytes)]."""
+    """Return [(number, bytes)] of a G-code file as a job's bytes."""
     from host_tools.clients.grbl_wire import number_line
 
     rows = [b""] * lines[-1][0]
@@ -60,7 +60,7 @@ def gcode_lines(lines):
 
 
 def job_file(language, data):
-    """`data` as a file of a board's folder of jobs."""
+    """Return `data` as a file of a board's folder of jobs."""
     packed = pack_job(data)
     return first_line(language, len(data), crc_of(data), len(packed)) + packed
 
@@ -89,7 +89,7 @@ def write_on_card(card, name, language, data):
 
 
 def pulses_job(path):
-    """A pulse file as a job: its codes, without blanks. Raises Failure with line and column of the fault."""
+    """Read a pulse file as a job: its codes, without blanks. Raises Failure with line and column of the fault."""
     from host_tools.programs.long_pulses import LongFile, codes_of
 
     LongFile(path, "xyz")
@@ -97,7 +97,8 @@ def pulses_job(path):
 
 
 def plotter_job(path):
-    """An SVG file's packets are made by `passo draw`; here a file of packets is taken as it is, if each is right and says what a drawing may."""
+    """Read a file of packets as a job. Raises Failure unless each packet is right and is one that a drawing may have. (`passo draw` makes packets of
+    an SVG file.)"""
     from passo.protocols.plotter.host import COMMANDS, PACKET
 
     drawing = {COMMANDS[name] for name in ("REQUEST", "LINE", "MOVE", "END", "ORIGIN", "SPEED")}

@@ -11,19 +11,19 @@ MOST_ROWS = 5000  # of all levels
 
 
 def pass_depths(depth, cut):
-    """Depths of the passes, equal and none deeper than `cut`."""
+    """Return the depths of the passes in mm, equal and none deeper than `cut`."""
     count = max(1, -int(-depth / cut // 1))
     return [depth * (n + 1) / count for n in range(count)]
 
 
 def row_positions(y, step):
-    """Positions of rows from 0 to `y`: equal, and no farther from each other than `step`."""
+    """Return the positions of rows from 0 to `y`, in mm: equal, and no farther from each other than `step`."""
     count = max(1, -int(-y / step // 1))
     return [y * n / count for n in range(count + 1)]
 
 
 def surface_lines(size):
-    """Lines of G-code; None if there were too many."""
+    """Return the lines of G-code; None if there are more than MOST_ROWS rows."""
     step = size["tool"] * (1 - size["overlap"] / 100)
     passes = pass_depths(size["depth"], size["cut"])
     across = row_positions(size["y"], step)

@@ -17,7 +17,7 @@ _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
 
 
 def mm_text(board, position):
-    """`X12.500 Y3.000` of steps."""
+    """Return a position in steps as text in mm: `X12.500 Y3.000`."""
     return " ".join(f"{axis['name'].upper()}{1000 * at / axis['steps_per_m']:.3f}" for axis, at in zip(board["axes"], position))
 
 
@@ -35,18 +35,19 @@ def _order_texts():
 
 
 def reason_text(box):
-    """The event behind which the black box was written, for people."""
+    """Return the event behind which the black box was written, for people."""
     return {
         "alarm": _("an alarm"), "end": _("the firmware ended: a crash, or the prompt was asked for"), "reset": _("a reset: the watchdog, or its button"),
     }.get(box.why, box.why)  # fmt: skip
 
 
 def seconds_to_end(box, ms):
+    """Return the seconds from the box's end to `ms`; negative: before it."""
     return (ms - box.end_ms) / 1000
 
 
 def row_text(box, row, before):
-    """The text of a row; `before`: inputs until then, {} at first."""
+    """Return the text of a row; `before`: inputs until then, {} at first."""
     if row.kind == INPUTS:
         changed = [f"{name} {_('on') if on else _('off')}" for name, on in row.levels.items() if on != before.get(name, False)]
         return ", ".join(changed) or _("inputs as at rest")
@@ -58,7 +59,7 @@ def row_text(box, row, before):
 
 
 def lines_of(box):
-    """Each row, and the lines that had come before it."""
+    """Yield the text of each row, and of the program's lines that had come before it."""
     rows = sorted(box.rows + box.samples, key=lambda row: row.ms)
     come, levels = box.base, {}
     for row in rows:
@@ -75,7 +76,7 @@ def _is_plain(text):
 
 
 def speeds(rows, axis, per_mm):
-    """([ms], [mm/s]) of an axis, of a replay's rows (ms, *position, tool)."""
+    """Return ([ms], [mm/s]) of an axis, of a replay's rows (ms, *position, tool)."""
     times, values = [], []
     for first, last in _speed_spans(rows):
         span = rows[last][0] - rows[first][0]
@@ -86,7 +87,7 @@ def speeds(rows, axis, per_mm):
 
 
 def _speed_spans(rows):
-    """Pairs of indices _SPEED_MS apart; a pause is a span of its own."""
+    """Yield pairs of indices _SPEED_MS apart; a pause is a span of its own."""
     first = 0
     for last in range(1, len(rows)):
         if rows[last][0] - rows[first][0] >= _SPEED_MS:
@@ -124,7 +125,7 @@ def board_clock(box, replay):
 
 
 def draw_timeline(path, box, replay=None):
-    """Write the timeline. Of a board alone: places; with its replay the path and speeds of each axis, too, at the board's times."""
+    """Draw the timeline as a PNG: without a replay the positions alone; with one the path and speeds of each axis, at the board's times."""
     from host_tools.figures import pyplot
 
     axes = box.board["axes"]
@@ -163,7 +164,7 @@ def draw_timeline(path, box, replay=None):
 
 
 def _draw_events(plot, box, states):
-    """Inputs and states as bars, lines and orders as ticks, numbers as text."""
+    """Draw inputs and states as bars, lines and orders as ticks, numbers as text."""
     inputs = [row for row in box.rows if row.kind == INPUTS]
     names = sorted({name for row in inputs for name, on in row.levels.items() if on})
     first_ms = min([row.ms for row in box.rows + box.samples], default=0)

@@ -26,7 +26,7 @@ class Tool:
 
 
 def read(path):
-    """{number: Tool}. Raises Failure with the line that is wrong."""
+    """Read a tool table; return {number: Tool}. Raises Failure with the line that is wrong."""
     tools = {}
     scale = 1.0
     try:

@@ -47,20 +47,20 @@ class Toolpath:
     # --- what programs ask for
 
     def position(self, axis):
-        """The position of an axis, in mm, A in degrees. Raises ProgramError if that is not known."""
+        """Return the position of an axis, in mm, A in degrees. Raises ProgramError if it is not known."""
         if self.place[axis] is None:
             raise ProgramError(UNKNOWN_PLACE, "{}", AXES[axis])
         return self.place[axis]
 
     def forget_axes(self, axes=(0, 1, 2, 3)):
-        """These axes have been moved to where the program cannot know."""
+        """Note that the machine has moved these axes to a position which the program cannot know."""
         for axis in axes:
             self.place[axis] = self._there[axis] = None
         if self._beside and None in [self._there[axis] for axis in self._beside.axes[:2]]:  # how it gets away from the contour is not known either
             self._beside = None
 
     def now_at(self, axis, value):
-        """The axis has not moved, but its coordinate is `value` from now on: an offset changed."""
+        """Note that the coordinate of an axis, which has not moved, is `value` from now on: an offset changed."""
         self.place[axis] = value
         self._there[axis] = _to_units(value)
 
@@ -75,7 +75,7 @@ class Toolpath:
         self.place = here if self._turned is None else self._to_program(here)
 
     def _to_board(self, place):
-        """A place of the program in the board's coordinates, which are not turned; unknown if one of X and Y is."""
+        """Return a position of the program in the board's coordinates, which are not turned; unknown if one of X and Y is."""
         if self._turned is None:
             return place[:]
         if None in place[:2]:
@@ -84,14 +84,14 @@ class Toolpath:
         return [moved.real, moved.imag, *place[2:]]
 
     def _to_program(self, place):
-        """The other way round."""
+        """Return a position of the board in the program's coordinates, which may be turned; unknown if one of X and Y is."""
         if self._turned is None or None in place[:2]:
             return place[:] if self._turned is None else [None, None, *place[2:]]
         moved = complex(*place[:2]) / self._turned
         return [moved.real, moved.imag, *place[2:]]
 
     def put_word(self, code):
-        """A line that moves nothing."""
+        """Append a line that moves nothing."""
         if self.contour:
             self.contour.add_word(code, self.source)
             return
@@ -102,18 +102,18 @@ class Toolpath:
         self.listing.add_line(code, self.source)
 
     def end_inverse(self):
-        """The listing goes back to G94, if it is not in it."""
+        """Return the listing to G94, if it is in G93."""
         if self._inverse:
             self._inverse, self._feed = False, None
             self.listing.add_line("G94", self.source)
 
     def axes_to_move(self, target):
-        """The axes that a straight line to `target` moves, as far as the listing tells places apart."""
+        """Return the axes that a straight line to `target` moves, as far as the listing tells positions apart."""
         return [axis for axis, value in enumerate(target) if value is not None and (self.place[axis] is None or _to_units(value) != _to_units(self.place[axis]))]
 
     def move_to(self, target, rapid, feed=0.0, inverse=False, relative=False):
-        """A straight line; axes that are None or left out stay. `inverse`: the feed is that of G93, 1/min; `relative`: the program has G91,
-        in which A turns by more than half a turn on every board."""
+        """Append a straight line to `target`, mm; axes that are None or left out stay. `feed`: mm/min; `inverse`: the feed is that of G93, 1/min;
+        `relative`: the program has G91, in which A turns by more than half a turn on every board. Raises ProgramError."""
         target = _all_axes(target)
         if target[3] is not None and self.contour and 3 in self.axes_to_move(target):
             raise ProgramError(COMPENSATED, "A")
@@ -132,8 +132,8 @@ class Toolpath:
         self.put_line(target, rapid, feed, None, inverse, relative)
 
     def arc_to(self, plane, clockwise, target, centre, feed, turns=1, sweep=None, slack=0.0):
-        """An arc to `target` around `centre`, (first, second axis of the plane) in mm from its start, as a helix if the third axis
-        changes. `sweep`: sweep_of() it; `slack`: of circle_through(). Raises ProgramError if the ends do not lie on one circle."""
+        """Append an arc to `target` around `centre`, (first, second axis of the plane) in mm from its start; a helix if the third axis changes.
+        `sweep`: by default sweep_of(); `slack`: of circle_through(). Raises ProgramError if the ends do not lie on one circle."""
         first, second, _ = PLANES[plane]
         target = _all_axes(target)
         begin = [self.position(first), self.position(second)]
@@ -165,7 +165,7 @@ class Toolpath:
             self.contour = Contour(self, side, radius, self.source, plane, PLANES[plane])
 
     def uncompensate(self):
-        """The contour has ended. The tool stays beside it until the next motion in X or Y."""
+        """End the contour. The tool stays beside it until the next motion in X or Y."""
         contour, self.contour = self.contour, None
         if contour and contour.flush():
             self._beside = contour
@@ -269,11 +269,9 @@ class Toolpath:
 
 
 def sweep_of(begin, end, centre, clockwise, long=None):
-    """Radians of the arc around `centre` (from `begin`), a whole turn at most, by the words of the program before any rounding.
-
-    The firmware's rule: an end that is less than 5·10⁻⁷ rad ahead of the start closes the circle. `long`: whether the arc is over half a
-    turn, where the program says that itself, by the sign of R.
-    """
+    """Return the radians of the arc around `centre` (from `begin`), a whole turn at most, by the words of the program before any rounding. The
+    firmware's rule: an end that is less than 5·10⁻⁷ rad ahead of the start closes the circle. `long`: whether the arc is over half a turn, if the
+    program says that by the sign of R."""
     x, y = end[0] - begin[0], end[1] - begin[1]
     before, after = (-centre[0], -centre[1]), (x - centre[0], y - centre[1])
     cross, dot = before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]
@@ -319,7 +317,7 @@ def circle_through(begin, end, centre, slack=0.0):
 
 
 def centre_of(begin, end, radius, clockwise):
-    """The centre, from the start, of an arc of this radius; a negative one means the longer way. Raises ProgramError."""
+    """Return the centre, from the start, of an arc of this radius; a negative one means the longer way. Raises ProgramError."""
     across, along = end[0] - begin[0], end[1] - begin[1]
     chord = math.hypot(across, along)
     if chord < 1e-9 or chord / 2 > abs(radius) + _RADIUS_MM:
@@ -331,7 +329,7 @@ def centre_of(begin, end, radius, clockwise):
 
 
 def arc_points(begin, end, plane, clockwise, middle, sweep, sag=0.01):
-    """Points on an arc or helix of `sweep` radians, for a picture or a check; chords are at most `sag` mm from it."""
+    """Return points on an arc or helix of `sweep` radians, for a picture or a check; chords are at most `sag` mm from it."""
     first, second, third = PLANES[plane]
     spoke = begin[first] - middle[0], begin[second] - middle[1]
     radius = math.hypot(*spoke)
@@ -349,13 +347,13 @@ def arc_points(begin, end, plane, clockwise, middle, sweep, sag=0.01):
 
 
 def number_text(value, decimals=5):
-    """A value as G-code has it, without zeros that say nothing."""
+    """Return a value as G-code has it, without zeros at the end."""
     text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "") else text
 
 
 def _to_units(value):
-    """A place in units of the listing. Raises ProgramError if no machine reaches it."""
+    """Return a position in units of the listing, 10 nm. Raises ProgramError if no machine reaches it."""
     if value is None:
         return None
     if not -_FARTHEST_MM <= value <= _FARTHEST_MM:
@@ -364,11 +362,11 @@ def _to_units(value):
 
 
 def _all_axes(target):
-    """A place of all axes: those left out are None."""
+    """Return a position of all four axes; the axes left out are None."""
     return [*target, None, None, None, None][:4]
 
 
 def _picture_point(place, otherwise):
-    """X, Y and Z in mm; axes that are not known do not change in a picture."""
+    """Return X, Y and Z in mm; axes that are not known do not change in a picture."""
     return tuple((next_ if here is None else here) / 1e5 if (here, next_) != (None, None) else 0.0
                  for here, next_ in zip(place[:3], otherwise))  # fmt: skip

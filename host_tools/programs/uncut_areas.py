@@ -82,11 +82,11 @@ class UncutAreas:
         self._disputed = shapely.union_all(taken) if taken else None
 
     def reaches_disputed(self, piece, radius):
-        """True if the tool's centre, on `piece`, comes nearer than its radius to what other pieces leave and the first or the last takes."""
+        """True if the tool's centre, on `piece`, comes nearer than its radius to an area that other pieces leave and the first or the last takes."""
         return _is_nearer(piece, self._disputed, radius)
 
     def reaches_area(self, piece, radius):
-        """True if the tool's centre, on `piece`, comes nearer to what is left than its radius."""
+        """True if the tool's centre, on `piece`, comes nearer than its radius to an area that the contour leaves."""
         return _is_nearer(piece, self._area, radius)
 
 
@@ -111,7 +111,7 @@ def _point_geometries(places):
 
 
 def _longest_chords(edges):
-    """(middle, way along it) of the longest chord of each edge."""
+    """Return (middle, unit vector along it) of the longest chord of each edge."""
     middles, ways = [], []
     for edge in edges:
         points = shapely.get_coordinates(edge) @ numpy.array([1, 1j])
@@ -123,7 +123,7 @@ def _longest_chords(edges):
 
 
 def _areas_of(tree, places):
-    """The number of the area in which each place lies; the count of the areas: in none."""
+    """Return the number of the area in which each place lies; the count of the areas if it lies in none."""
     found = numpy.full(len(places), len(tree.geometries))
     of_place, of_area = tree.query(_point_geometries(places), predicate="intersects")
     found[of_place] = of_area

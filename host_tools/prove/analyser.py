@@ -50,7 +50,7 @@ class Wanted:
 
     @classmethod
     def from_words(cls, path, base, mhz, trigger, play):
-        """From the options of a command: file, first GPIO, MHz, trigger ("rise:5"). Raises Failure if one is wrong."""
+        """Make a Wanted of the options of a command: file, first GPIO, MHz, trigger ("rise:5"). Raises Failure if one is wrong."""
         if path.suffix not in WRITERS:
             raise Failure("a capture is a file .vcd or .sr (PulseView, sigrok-cli), not {}", path.name)
         return cls(path, base, round(mhz * 1e6), trigger_of(trigger, base), play)
@@ -90,7 +90,7 @@ class Wanted:
 
 
 def trigger_of(given, base):
-    """(kind, pin or word, channels) for the board of `rise:PIN`, `fall:PIN`, `word:LEVELS` or None. Raises Failure."""
+    """Return (kind, pin or word, channels) for the board of `rise:PIN`, `fall:PIN`, `word:LEVELS` or None. Raises Failure."""
     if not given:
         return ()
     kind, _colon, rest = given.partition(":")
@@ -102,7 +102,7 @@ def trigger_of(given, base):
 
 
 def names_of(raw, base):
-    """A name for each channel: that of the output, input or motor that the board file has on its pin, or GPIOn."""
+    """Return a name for each channel: that of the output, input or motor that the board file has on its pin, or GPIOn."""
     names = {pin: f"GPIO{pin}" for pin in range(base, base + CHANNELS)}
     for item in (*raw.get("outputs", ()), *raw.get("inputs", ())):
         names[item["pin"]] = item["name"]

@@ -64,7 +64,7 @@ class Analyser(Witness):
         super().__init__(base, 8, samples, 4, recorder_program(trigger))
 
     def prepare_program(self):
-        """Y has the word as the program has what it sees: in the highest bits."""
+        """Put the word into Y, shifted to the highest bits, as the program has the levels, and set the clock divider."""
         if self._trigger and self._trigger[0] == WORD:
             _word, value, width = self._trigger
             parts = [(value & 31, min(width, 5)), (value >> 5, width - 5)]

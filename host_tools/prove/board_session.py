@@ -30,7 +30,7 @@ from passo.memory import forget
 
 
 def deep_copy(value):
-    """A copy of lists and dicts: MicroPython has no copy.deepcopy."""
+    """Return a copy of lists and dicts: MicroPython has no copy.deepcopy."""
     if isinstance(value, dict):
         return {key: deep_copy(value[key]) for key in value}
     return [deep_copy(each) for each in value] if isinstance(value, list) else value
@@ -88,7 +88,7 @@ def words(changes, without):
 
 
 def time_collection():
-    """Microseconds of a collection, bytes free, and the largest piece."""
+    """Return microseconds of a collection, bytes free, and the largest piece."""
     begun = ticks_us()
     gc.collect()
     took = ticks_diff(ticks_us(), begun)

@@ -21,7 +21,7 @@ RECORDS = bytearray(4 * 2048)  # made first, while memory is free in large piece
 
 
 def pad_address(pin):
-    """Address of the register of a pin's pad."""
+    """Return the address of the register of a pin's pad."""
     return (0x40038000 if "RP2350" in sys.implementation._machine else 0x4001C000) + 4 + 4 * pin
 
 
@@ -65,7 +65,7 @@ class Witness:
         self._ctrl = self._dma.pack_ctrl(size=2, inc_read=False, inc_write=True, high_pri=True, treq_sel=8 * block + 4 + at)
 
     def prepare_program(self):
-        """The count at its highest, no levels seen."""
+        """Set the count to its highest, and forget the levels."""
         first = mem32[self._wrap] >> 7 & 31
         for instruction in (0xA02B, 0xA04B, first):  # mov(x, invert(null)), mov(y, invert(null)), jmp("look")
             self._machine.exec(instruction)
@@ -77,7 +77,7 @@ class Witness:
         return self._bit
 
     def start(self, *others):
-        """With all of `others` in the same cycle."""
+        """Start with all of `others` in the same cycle."""
         bits = 0
         for each in (self,) + others:
             bits |= each.ready()

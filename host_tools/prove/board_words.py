@@ -109,7 +109,7 @@ def run_until_still(app):
 
 
 def carry_out(app, port, lines):
-    """Lines of G-code, each sent when the one before has been answered; pauses end at once. Returns how many were refused."""
+    """Carry out lines of G-code, each sent when the one before has been answered; pauses end at once. Returns how many were refused."""
     refused = 0
     for line in lines:
         port.incoming += line.encode() + b"\n"
@@ -123,7 +123,7 @@ def carry_out(app, port, lines):
 
 
 def draw_packets(app, port, packets):
-    """Packets of the plotter's language, each sent when the one before has been answered. Returns how many were not."""
+    """Carry out packets of the plotter's language, each sent when the one before has been answered. Returns how many were not answered."""
     silent = 0
     for packet in packets:
         port.incoming += packet

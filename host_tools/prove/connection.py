@@ -42,13 +42,13 @@ class Board:
         self.close()
 
     def take_output(self):
-        """All bytes received since the last call."""
+        """Return all bytes received since the last call."""
         self.heard += self.read()
         said, self.heard = self.heard, b""
         return said
 
     def expect(self, wanted, limit_s=ASK_S):
-        """Bytes received up to the end of `wanted`. Raises Failure if they do not come in `limit_s`."""
+        """Return the bytes received up to the end of `wanted`. Raises Failure if they do not come in `limit_s`."""
         end = self.now_s() + limit_s
         while wanted not in self.heard:
             if self.now_s() > end:
@@ -223,7 +223,7 @@ class PortBoard(Board):
             self._wire = None
 
     def close(self):
-        """The board goes back to its own work."""
+        """Reset the board, so that it goes back to its own work, and close the port."""
         if self._wire is not None:
             with contextlib.suppress(OSError):
                 self._wire.serial.write(b"\r\x03\x02\x04")
@@ -231,7 +231,7 @@ class PortBoard(Board):
 
 
 def board_file_of(board):
-    """The table of /board.py. Raises Failure if there is none."""
+    """Return the table of /board.py. Raises Failure if there is none."""
     board.restart_interpreter()
     try:
         return ast.literal_eval(board.exec("from board import BOARD\nprint(repr(BOARD))"))

@@ -13,7 +13,7 @@ PASS = 7  # state machine cycles of a pass of the witness's program; one that wr
 
 
 def decode_records(records, width):
-    """[(cycles since the start, levels)] of the witness's records."""
+    """Return [(cycles since the start, levels)] of the witness's records."""
     bits = 32 - width
     mask = (1 << bits) - 1
     seen, passes, before = [], 0, mask
@@ -26,7 +26,7 @@ def decode_records(records, width):
 
 
 def changes_in_words(words, bits, width, step_mask, pulse_ticks):
-    """[(tick, levels)] of each change of the lowest `width` bits that words ask for; STEPs fall after `pulse_ticks`."""
+    """Return [(tick, levels)] of each change of the lowest `width` bits that words ask for; STEPs fall after `pulse_ticks`."""
     mask = (1 << width) - 1
     tick, changes = 0, []
 
@@ -60,8 +60,8 @@ def exchange_bits(levels, a, b):
 
 
 def compare_edges(seen, changes, width, axes, motors, mhz):
-    """A Found: `seen`, [(cycle, levels)] that begin with the levels before the first change, against `changes`, [(tick, levels)]. `motors`: 0 for
-    coils."""
+    """Compare `seen`, [(cycle, levels)] that begin with the levels before the first change, with `changes`, [(tick, levels)]; return a Found.
+    `motors`: 0 for coils."""
     found = Found()
     ns = 1000 / mhz
     step_mask = (1 << motors) - 1
@@ -116,7 +116,7 @@ def _measure_pulses(found, seen, axes, motors, ns):
 
 
 def count_steps(seen, axes, motors):
-    """Steps of each axis, signed, as drivers would count them."""
+    """Count the steps of each axis, signed, as drivers would."""
     places = [0] * axes
     for (_, before), (_, levels) in zip(seen, seen[1:]):
         for axis in range(axes):

@@ -59,8 +59,8 @@ def memory(proof):
 
 
 def judge_crystal(proof):
-    """The chip's microseconds against the PC's, over two seconds: of several readings the one that came back first, because a busy PC, and not
-    the chip, makes the others late."""
+    """Compare the chip's microseconds with the PC's, over two seconds: of several readings the one that came back first, because a busy PC, and not
+    the chip, makes the others late. Returns a Row."""
     board = proof.board
     board.start("import sys\nwhile sys.stdin.read(1) == 't': print(ticks_us())")
 

@@ -125,7 +125,7 @@ def star(points=7, centre=(40, 40), size=30):
 
 
 def backlash_job():
-    """All that turns axes with lost motion round: zigzags, circles in every plane, helices, short lines, one axis alone, inverse time."""
+    """Turn round axes with lost motion in every way: zigzags, circles in every plane, helices, short lines, one axis alone, inverse time."""
     lines = ["G21 G90 G17 F1500", "G0 X20 Y20 Z-5", "M3 S1000"]
     lines += ["G1 X%.3f Y%.3f Z%.2f" % (20 + k / 2, 20 + k % 2 * 1.5, -5 - k % 3 / 4) for k in range(30)]
     lines += ["G1 X35 Y20 Z-5", "G2 X35 Y20 I5 J0", "G3 X35 Y20 I-3 J2 Z-6 P2", "G18 G2 X35 Z-6 I2 K1", "G19 G3 Y20 Z-6 J1 K-2", "G17"]
@@ -164,7 +164,7 @@ PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and ho
 
 
 def all_jobs():
-    """{name: (board, lines)}"""
+    """Return {name: (board, lines)}."""
     made = {}
     for kind in (relief, engraving, arcs, helices, laser_raster, tiny, drilling, units, reversals, slow, smooth):
         made[kind.__name__] = ("laser_xy" if kind is laser_raster else "router_3axis", kind())

@@ -73,7 +73,7 @@ def grbl_link(proof):
 
 
 def measure_frames(proof):
-    """A row: lines lost when they go in frames over a wire that spoils bytes on their way to the board."""
+    """Return a Row: lines lost when they go in frames over a wire that spoils bytes on their way to the board."""
     from host_tools.clients.frames import FramedPort
 
     board = proof.board
@@ -156,7 +156,7 @@ def plotter_link(proof):
 
 
 def time_answer(proof, question, answer):
-    """Seconds from a question to its answer."""
+    """Return the seconds from a question to its answer. Raises Failure after 5 s."""
     board = proof.board
     board.take_output()
     begun = board.now_s()
@@ -170,7 +170,7 @@ def time_answer(proof, question, answer):
 
 
 def stream_lines(proof, lines):
-    """Lines a second of the last three quarters, and the seconds that each `?` waited."""
+    """Stream lines; return (lines a second of the last three quarters, [the seconds that each `?` waited])."""
     board = proof.board
     board.take_output()
     under_way, said, asked, pending, next_ask = [], b"", [], None, board.now_s()
@@ -204,7 +204,7 @@ def stream_lines(proof, lines):
 
 
 def chord_lines(count, axes):
-    """Lines of 0.2 mm, in space or in a plane."""
+    """Return lines of 0.2 mm, in space or in a plane."""
     from host_tools.emulator.gcode import LINE_BYTES, chords
 
     start, data = chords(0.2)

@@ -44,11 +44,11 @@ class Shape:
         self.pulse_ticks, self.least_ticks = word_times(self.board)
 
     def levels_seen(self, records):
-        """[(cycle, levels as words have them)]"""
+        """Return [(cycle, levels as words have them)] of the witness's records."""
         return [(cycle, levels ^ self._invert) for cycle, levels in edges.decode_records(records, self.width)]
 
     def changes_of(self, lines):
-        """[(tick, levels)] that the words of `lines`, [(deltas, ticks)], ask of the pins."""
+        """Return [(tick, levels)] that the words of `lines`, [(deltas, ticks)], ask of the pins."""
         from passo.app import App
 
         words = []
@@ -62,7 +62,7 @@ class Shape:
 
 
 def check_enable(proof):
-    """Raises Failure if an output that switches the motors' current is not off, as the pin itself says."""
+    """Raise Failure if an output that switches the motors' current is not off, as the pin itself says."""
     for item in proof.raw.get("outputs", ()):
         if item["name"] == "enable" and int(proof.board.exec(f"print(pin_level({item['pin']}))")) == item.get("active", 1):
             raise Failure("enable (GPIO{}) is on though the board switches it off: something else holds it, and motors have current. Nothing was moved", item["pin"])
@@ -113,12 +113,12 @@ def difference_text(found, shape):
 
 
 def without_ramps(proof):
-    """The board's own machine, without ramps that would fill the witness's memory."""
+    """Return changes to the board: its own machine, but without ramps that would fill the witness's memory."""
     return {"axes": [dict(axis, accel_mm_s2=900_000) for axis in proof.raw["axes"]]}
 
 
 def there_and_back(board, seconds):
-    """Lines at which every axis goes as fast as it may."""
+    """Return lines, [(deltas, ticks)], at which every axis goes as fast as it may."""
     rates = [axis["max_mm_min"] * axis["steps_per_m"] // 60_000 for axis in board["axes"]]
     if board["drive"]["kind"] != "step_dir":
         rates = [min(rate, COILS_HZ) for rate in rates]
@@ -219,11 +219,11 @@ def measure_halt(proof, shape, code, active):
 
 
 def bytes_printed(lines):
-    """The bytes that the board printed."""
+    """Decode the base64 lines that the board printed."""
     return b"".join(base64.b64decode(line) for line in lines)
 
 
 def records_printed(lines):
-    """The records that the board printed."""
+    """Decode the records that the board printed."""
     data = bytes_printed(lines)
     return struct.unpack(f"<{len(data) // 4}I", data)

@@ -67,7 +67,7 @@ MEMORY = {
 
 
 def verdict(promise, value, whole=1):
-    """`whole`: of which the promise's bounds are shares."""
+    """Return BETTER, KEPT or WORSE for `value`. `whole`: the promise's bounds are shares of it."""
     bound, easy = promise.bound * whole, promise.easy * whole
     if promise.least:
         return WORSE if value < bound else BETTER if easy and value > easy else KEPT

@@ -35,12 +35,12 @@ class Proof:
         self.timings = {}  # {name: values for the picture}
 
     def rows(self):
-        """Every row, as it is measured."""
+        """Yield every row, as it is measured."""
         for _title, rows in self.parts():
             yield from rows
 
     def parts(self):
-        """(title, its rows as they are measured), one after the other."""
+        """Yield (title, its rows as they are measured), one after the other."""
         for title, part, pins_wanted in PARTS:
             yield _(title), self._part(title, part, pins_wanted)
 
@@ -62,8 +62,8 @@ class Proof:
             yield Row(part.__name__, _(title), said, verdict=WORSE, advice=advice)
 
     def judge(self, key, value, whole=1, found=None, **figures):
-        """A row of PROMISES[key]: `value` against the promise, of which `whole` is a factor. `found`: the text
-        shown; `figures`: more values for JSON."""
+        """Return a row of PROMISES[key]: `value` against the promise, of which `whole` is a factor. `found`: the text shown; `figures`: more values
+        for JSON."""
         promise = PROMISES[key]
         bound = promise.bound * whole
         judged = verdict(promise, value, whole)
@@ -72,7 +72,7 @@ class Proof:
         return Row(key, _(promise.what), found or number_text(value) + unit, limit, judged, _(promise.advice) if judged == WORSE else "", {key: value, **figures})
 
     def begin(self, order, changes=None, more=()):
-        """A fresh interpreter with the board's machine. `order`: make or words; `more`: programs that come first."""
+        """Restart the interpreter with the board's machine. `order`: make or words; `more`: programs that come first."""
         self.board.restart_interpreter()
         self.load(*more, "board_session.py")
         self.board.exec(f"{order}({ {'inputs': [], **(changes or {})}!r}, {WITHOUT!r})")
@@ -84,7 +84,7 @@ class Proof:
             self.board.exec("import gc\ngc.collect()")  # long-lived objects lie close together
 
     def machine(self, changes=None):
-        """The checked board file of the machine that runs on the board, on the PC."""
+        """Return the checked board file of the machine that runs on the board, on the PC."""
         from passo.config.boardfile import check
 
         return check({**{key: value for key, value in self.raw.items() if key not in WITHOUT}, "inputs": [], **(changes or {})})

@@ -27,7 +27,7 @@ def report_table(rows, header):
 
 
 def summary_sentences(rows):
-    """The sentences under the table."""
+    """Return the sentences under the table."""
     wrong = [row for row in rows if row.verdict == WORSE]
     told = [f"{row.what}: {row.found}. {row.advice}." for row in wrong]
     counts = {name: sum(row.verdict == name for row in rows) for name in (BETTER, KEPT, WORSE)}
@@ -45,7 +45,7 @@ def print_report(rows, header, file=None):
 
 
 def as_lines(proof, header):
-    """The rows; each is printed as JSON once it is measured, and in front of them the part that they belong to."""
+    """Yield the rows; print each as JSON once it is measured, and in front of them the part that they belong to."""
     print(json.dumps({"header": header}), flush=True)
     for number, (title, rows) in enumerate(proof.parts()):
         print(json.dumps({"part": title, "number": number, "of": len(PARTS), "said": ""}), flush=True)
@@ -55,7 +55,7 @@ def as_lines(proof, header):
 
 
 def last_line(rows, header):
-    """JSON that follows the rows: the report as text, and the sentences under its table."""
+    """Return the JSON that follows the rows: the report as text, and the sentences under its table."""
     told = io.StringIO()
     print_report(rows, header, told)
     return json.dumps({"report": told.getvalue(), "summary": summary_sentences(rows)})
@@ -66,7 +66,7 @@ def as_json(rows, about):
 
 
 def draw_picture(path, timings):
-    """Edges against their words, intervals, and answers."""
+    """Draw edges against their words, intervals, and answers, as a PNG."""
     from matplotlib import ticker
 
     from host_tools.figures import pyplot

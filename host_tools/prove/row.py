@@ -21,7 +21,7 @@ class Row:
 
 
 def equality_row(key, what, found, ok, advice):
-    """A row whose promise is that two things are the same."""
+    """Return a row whose promise is that two things are the same."""
     return Row(key, what, found, _("equal"), KEPT if ok else WORSE, "" if ok else advice)
 
 
@@ -30,5 +30,5 @@ def number_text(value):
 
 
 def program_text(name):
-    """A program for the board."""
+    """Return a program for the board, a file of this folder."""
     return (Path(__file__).parent / name).read_text(encoding="utf-8")

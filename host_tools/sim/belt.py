@@ -16,7 +16,7 @@ class Belt:
         self._turned = [x + y, x - y]
 
     def turn_motor(self, tick, motor, steps):
-        """A motor turns by steps. True if a carriage has moved a whole step."""
+        """Turn a motor by steps. Returns True if a carriage has moved a whole step."""
         plant = self._plant
         motors = list(self._turned)
         motors[motor] += steps

@@ -59,7 +59,7 @@ class Witness(Plant):
             Plant._report_input(self, tick, name)
 
     def _report_input(self, tick, name):
-        """A sensor of the plant's own: nobody hears of it."""
+        """Ignore a change of the plant's own sensors: the box has the inputs."""
 
 
 class FreezingPlayer(Player):
@@ -171,7 +171,7 @@ class Replay(Machine):
     # --- stops
 
     def _watch_stops(self):
-        """Have this replay see, and decide on, each stop."""
+        """Replace the firmware's halt, drop and hold by functions that compare each stop with the record."""
         queue, feeder, machine = self._queue, self._feeder, self._record
         halt, drop, hold, standing = queue.halt, queue.drop, feeder.set_hold, feeder.standing
 
@@ -208,13 +208,13 @@ class Replay(Machine):
         return self._queue.retired() >= row.value - self._count_offset()
 
     def _count_offset(self):
-        """Blocks that the board had counted before those that are played here."""
+        """Return how many blocks the board had counted before those that are played here."""
         return self.snapshot.added if self._same_count else 0
 
     _same_count = True  # no stop has emptied the queue yet
 
     def _pass_stop(self, kind):
-        """Drop the recorded stops up to the next one of this kind, and report a fault if it was elsewhere. Called as the firmware stops, or goes
+        """Drop the recorded stops up to the next one of this kind, and report a fault if it was elsewhere. Called when the firmware stops, or goes
         on."""
         while self.stops:
             row = self.stops.pop(0)
@@ -269,7 +269,7 @@ class Replay(Machine):
         return self
 
     def _check_samples(self):
-        """The path leads through all positions that the board has noted, in their order."""
+        """Report a fault unless the path leads through all positions that the board has noted, in their order."""
         path, at, stopped = self.path, 0, False
         for row in self.since:
             stopped = stopped or row.kind in (HALTED, DROPPED)
@@ -297,7 +297,8 @@ class Replay(Machine):
         return self.now_ms() + self._clock_ms
 
     def _stop_by(self, rows, at):
-        """The stop ahead that row `at` may have brought about: an order to stop right before it, an input shortly before it. None if there is none."""
+        """Return the stop ahead that row `at` may have caused: an order to stop right before it, or an input shortly before it. None if there is
+        none."""
         if rows[at].kind == ORDER and rows[at].value not in _STOPPING:
             return None
         for row in rows[at + 1 :]:
@@ -320,7 +321,7 @@ class Replay(Machine):
                 self._record.carry_out(row.value)
 
     def _deliver_lines(self, rows, at):
-        """Lines that had come by now."""
+        """Deliver the lines that had come by now."""
         come = self.snapshot.taken
         ms = self.snapshot.ms
         end = self.box.base + len(self.box.text)
@@ -338,7 +339,7 @@ class Replay(Machine):
         self._deliver_until(end)
 
     def _deliver_until(self, end):
-        """Deliver the bytes before `end`, by whole lines, as far as there is room. True if all are."""
+        """Deliver the bytes before `end`, by whole lines, as far as there is room. Returns True if all are delivered."""
         line = self.lines[self._name]
         while self._delivered < end:
             text = self.box.bytes_from(self._delivered)
@@ -350,12 +351,12 @@ class Replay(Machine):
         return not line.incoming
 
     def _link_space(self):
-        """Bytes that the link keeps beside those that wait."""
+        """Return how many bytes the link keeps beside those that wait."""
         protocol = self._link.protocol
         return 512 - (protocol._lines.fields[LINES_END] - protocol._lines.fields[LINES_AT]) if self._log else len(self.box.text)
 
     def _force_alarm(self, rows):
-        """All that came has come, and nothing stops the machine: its alarm, by number."""
+        """Raise the recorded alarm, by its number, if all bytes have come and nothing stops the machine."""
         if self._waits_ms is None:
             self._waits_ms = self.now_ms()
         if self.now_ms() - self._waits_ms < _PATIENCE_MS:
@@ -381,7 +382,7 @@ class Replay(Machine):
 
     @property
     def rows(self):
-        """(ms of the board, *position, tool) of each step; the axes' position, also of motors with backlash."""
+        """Rows (ms of the board, *position, tool) of each step; the axes' position, also of motors with backlash."""
         found = []
         taken, before = list(self._taken), self.snapshot.position
         for tick, *place in self.trace._rows[self._first_row :]:
@@ -395,7 +396,7 @@ class Replay(Machine):
 
     @property
     def path(self):
-        """The position behind each step, from the snapshot on; steps that change nothing are left out."""
+        """The position behind each step, from the snapshot on, without steps that change nothing."""
         path = [list(self.snapshot.position)]
         for _, *place in self.rows:
             if list(place[: len(self._zero)]) != path[-1]:

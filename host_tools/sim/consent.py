@@ -107,7 +107,7 @@ class GuestLine:
         return self.consent.given or self._admitted
 
     def _pass_lines(self):
-        """Bytes of the held lines that may pass to the board."""
+        """Return the bytes of the held lines that may pass to the board."""
         out = b""
         while self._held:
             word = self._held[0].strip().upper()

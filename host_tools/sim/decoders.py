@@ -43,8 +43,8 @@ class StepDir:
         self._rose = self._fell = self._turned = -(1 << 30)
 
     def decode(self, tick, levels, changed):
-        """Steps (−1, 0 or 1) of the pins' `levels` at `tick`, of which the bits `changed` have changed. Reports times that the driver's limits
-        forbid."""
+        """Return the steps (−1, 0 or 1) of the pins' `levels` at `tick`, of which the bits `changed` have changed. Reports times that the driver's
+        limits forbid."""
         levels ^= self._inverted
         steps = 0
         if changed & self._dir:
@@ -86,7 +86,7 @@ class Coils:
         self.released = True
 
     def decode(self, tick, levels, changed):
-        """Phase steps, signed, of the coils' `levels` at `tick`. Reports patterns that the drive does not have, and jumps."""
+        """Return the phase steps, signed, of the coils' `levels` at `tick`. Reports patterns that the drive does not have, and jumps."""
         pattern = (levels >> self._shift) & self._mask ^ self._inverted
         state = self._table[pattern]
         if state < 0:
@@ -107,7 +107,7 @@ class Coils:
         return delta // self._stride
 
     def _pattern_text(self, pattern):
-        """The pattern, first pin first, as the tables print it."""
+        """Return the pattern, first pin first, as the tables print it."""
         return "".join(["01"[pattern >> bit & 1] for bit in range(8) if self._mask >> bit])
 
 
@@ -158,7 +158,7 @@ class Pbl3770a(Coils):
         return current if pins & 1 else -current
 
     def decode(self, tick, levels, changed):
-        """Phase steps, signed, as Coils.decode(); notes the current of the pattern."""
+        """Return the phase steps, signed, as Coils.decode(), and note the current of the pattern."""
         self.current = self._currents[(levels >> self._shift) & self._mask ^ self._inverted]
         return super().decode(tick, levels, changed)
 
@@ -167,7 +167,7 @@ _OF_2014 = {"unipolar": Unipolar, "pbl3770a": Pbl3770a}
 
 
 def make_decoder(kind, mode, axis, bit, report):
-    """The decoder of an axis's motor. `bit`: {name of a pin: its number}."""
+    """Return the decoder of an axis's motor. `bit`: {name of a pin: its number}."""
     drive = __import__(f"passo.options.drive_{kind}.drive", None, None, ("drive",))  # MicroPython, in a tab, has no importlib
     shift = bit[f"{axis}_{drive.PINS[0]}"]
     return _OF_2014[kind](mode, shift, 0, report) if kind in _OF_2014 else TableCoils(drive, mode, shift, 0, report)

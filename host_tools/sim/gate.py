@@ -32,7 +32,7 @@ class Gate:
         self._waits_since = None  # time at which a line was let through that has no answer yet
 
     def filter_bytes(self, data, now):
-        """The bytes that may go on, perhaps some of those held back before; None: no more of this connection."""
+        """Return the bytes that may go on, perhaps some of those held back before; None: hang up on this connection."""
         if self._refused >= _REFUSALS:
             return None
         self._held += data

@@ -34,12 +34,12 @@ class Fault:
         return self.kind != "bounces" and self.begin <= tick < self.end
 
     def bounce_ticks(self):
-        """Ticks at which the level changes; none if it does not bounce."""
+        """Return the ticks at which the level changes; none if it does not bounce."""
         span = _BOUNCE_MS * TICKS_PER_MS
         return [self.begin + self._random.randint(1, span) for _ in range(_BOUNCES)] if self.kind == "bounces" else []
 
     def edge_ticks(self):
-        """Ticks at which the input may change because of it."""
+        """Return the ticks at which the input may change because of the fault."""
         return [tick for tick in (self.begin, self.end) if tick is not NEVER] if self.kind != "bounces" else []
 
 
@@ -73,7 +73,7 @@ class InputFaults:
         self.bounces = [(name, fault.bounce_ticks()) for name, fault in self._faults.items() if fault.kind == "bounces"]
 
     def faulty_level(self, name, level, tick):
-        """The level that the firmware reads of an input whose true one is `level`, at `tick`."""
+        """Return the level that the firmware reads of an input whose true one is `level`, at `tick`."""
         fault = self._faults.get(name)
         if fault is None or not fault.is_present(tick):
             return level
@@ -83,8 +83,8 @@ class InputFaults:
         return active if fault.kind in ("stuck", "pressed") else 1 - active
 
     def _open_level(self, name):
-        """Without its wire: that of its own pull-up or pull-down. If the resistor is outside, that of a safe machine: a limit reads as hit,
-        and all else as inactive, such as a drive, which is then faulty."""
+        """Return the level of an input without its wire: that of its own pull-up or pull-down. If the resistor is outside, that of a safe machine: a
+        limit reads as hit, and all else as inactive, such as a drive, which is then faulty."""
         item = self._inputs[name]
         if item.get("pull", "up") != "none" and item["pin"] < REGISTER_BIT:
             return int(item.get("pull", "up") == "up")

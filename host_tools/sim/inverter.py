@@ -53,7 +53,7 @@ class SimInverter:
                 self._due.append((self.now_ms() + self.reply_ms, reply))
 
     def read(self):
-        """Bytes of the replies that have come by now."""
+        """Return the bytes of the replies that have come by now."""
         self._follow_speed()
         data = b""
         while self._due and self._due[0][0] <= self.now_ms():
@@ -70,7 +70,7 @@ class SimInverter:
         pass
 
     def reply_to(self, request):
-        """The reply to a frame, or b""."""
+        """Return the reply to a frame, or b"" (Modbus RTU: wrong address or CRC, no reply)."""
         end = len(request) - 2
         if end < 4 or request[0] != self.address or modbus.crc16(request, end) != int.from_bytes(request[end:], "little"):
             return b""
@@ -88,7 +88,7 @@ class SimInverter:
     # --- the registers
 
     def write_register(self, function, register, value):
-        """A register or coil is written."""
+        """Write a register or coil: direction, stop or frequency."""
         for name, way in (("forward", 3), ("reverse", 4), ("stop", 0)):
             if self.make[name] == (function, register, value):
                 self.way = way if not self.fault else 0
@@ -97,7 +97,7 @@ class SimInverter:
             self.asked_hz = value / scale
 
     def read_register(self, function, register):
-        """A register is read."""
+        """Return the value of a register: output frequency, fault, else 0."""
         if (function, register) == self.make["output"][:2]:
             return round(self.hz * self.make["output"][3])
         if self.make["fault"] and (function, register) == self.make["fault"][:2]:
@@ -105,7 +105,7 @@ class SimInverter:
         return 0
 
     def _follow_speed(self):
-        """The motor follows."""
+        """Move the motor's frequency on to now, by RAMP_HZ_S at most."""
         now_ms = self.now_ms()
         step = RAMP_HZ_S * (now_ms - self._then_ms) / 1000
         self._then_ms = now_ms

@@ -39,7 +39,7 @@ MOST_NOTES = 1000  # of a kind, that are kept
 
 
 def strip_guards(board):
-    """A board file's dict without what guards a real machine."""
+    """Return a board file's dict without the keys that guard a real machine."""
     kept = {key: value for key, value in board.items() if key not in ("drivers", "encoders", "interlock", "inverter", "spi_drivers")}
     if "inputs" in board:
         kept["inputs"] = [{key: value for key, value in item.items() if key != "filter_us"} for item in board["inputs"]]
@@ -49,7 +49,7 @@ def strip_guards(board):
 
 
 def due_of_array(words, mask, bits, first, count, ticks, store, at, box):
-    """job_runner.copy_due() for CPython."""
+    """Do the work of job_runner.copy_due() under CPython, with numpy."""
     ring = np.frombuffer(words, np.uint32)
     found = ring[first : first + count]
     if first + count > mask + 1:
@@ -62,7 +62,7 @@ def due_of_array(words, mask, bits, first, count, ticks, store, at, box):
 
 
 def _job_blocks(lines):
-    """The lines of a job in blocks, as job_runner.py reads them; an empty one ends them."""
+    """Yield the lines of a job in blocks, as job_runner.py reads them; an empty one ends them."""
     lines = iter(lines)
     while True:
         block = b"\n".join(b"%d\t%s" % row for row in itertools.islice(lines, BLOCK_LINES))

@@ -93,11 +93,11 @@ class Machine:
         return self._folder.name
 
     def now_ms(self):
-        """Virtual milliseconds since the start, a float."""
+        """Return the virtual milliseconds since the start, a float."""
         return self.port.now / 12_500 if self.port else 0.0
 
     def cycle(self):
-        """One turn of the firmware's main loop."""
+        """Run one cycle of the firmware's main loop."""
         app = self.app
         app.poll()
         homing = app.controller.state == "home"
@@ -141,17 +141,17 @@ class VirtualMachine(Machine):
         self.lines[link or self.first].incoming += bytes(data)
 
     def replies_so_far(self, link=None):
-        """Bytes that the board has sent on a link so far; they stay there until `take`."""
+        """Return the bytes that the board has sent on a link so far; they stay there until `take`."""
         return self.lines[link or self.first].outgoing
 
     def take(self, link=None):
-        """Bytes that the board has sent since the last `take`."""
+        """Return the bytes that the board has sent since the last `take`."""
         line = self.lines[link or self.first]
         data, line.outgoing = line.outgoing, b""
         return data
 
     def run_until(self, condition, limit_ms=60_000):
-        """Turn until condition() holds. Raises TimeoutError after `limit_ms` of virtual time."""
+        """Run cycles until condition() holds. Raises TimeoutError after `limit_ms` of virtual time."""
         end = self.now_ms() + limit_ms
         while not condition():
             if self.now_ms() >= end:
@@ -164,7 +164,7 @@ class VirtualMachine(Machine):
         self.run_until(lambda: self.now_ms() >= end, milliseconds + 1)
 
     def settle(self, limit_ms=STAND_STILL_MS):
-        """Turn until nothing moves and nothing is pending."""
+        """Run cycles until nothing moves and nothing is pending. Raises TimeoutError after `limit_ms` of virtual time."""
         self.cycle()
         self.run_until(lambda: not self.port.pending(self.app.controller.busy()), limit_ms)
 

@@ -35,7 +35,7 @@ class Result:
 
 
 def read_trace(path):
-    """The rows of a trace CSV. Raises Failure with the line that is wrong."""
+    """Read the rows of a trace CSV. Raises Failure with the line that is wrong."""
     try:
         with open(path, newline="", encoding="utf-8", errors="replace") as file:
             reader = csv.reader(file)

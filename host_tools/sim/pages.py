@@ -37,7 +37,7 @@ class Pages:
         self._random = random.Random(seed)
 
     def read(self, block, slot):
-        """The record at `slot` of `block`, RECORD bytes."""
+        """Return the record at `slot` of `block`, RECORD bytes."""
         at = block * BLOCK + slot * RECORD
         return bytes(self.data[at : at + RECORD])
 

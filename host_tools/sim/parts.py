@@ -13,18 +13,18 @@ _ENDLESS = 1 << 40  # steps
 
 
 def is_endless(board, axis):
-    """Whether an axis turns without an end: a rotary one that homes at no sensor."""
+    """True if an axis turns without an end: a rotary one that homes at no sensor."""
     return board.get("rotary") == axis["name"] and axis["name"] not in (board.get("homing") or {}).get("sensors", ())
 
 
 def pull_off_of(homing, axis):
-    """Steps from the sensor to the origin of `axis`, by the board file's `homing`."""
+    """Return the steps from the sensor to the origin of `axis`, by the board file's `homing`."""
     own = homing.get("each", {}).get(axis, {})
     return own.get("pull_off_steps", homing.get("pull_off_steps", 0))
 
 
 def hard_ends(board, axis):
-    """(lowest, highest) position of an axis, in steps from its origin."""
+    """Return (lowest, highest) position of an axis, in steps from its origin."""
     homing = board.get("homing") or {}
     if is_endless(board, axis):
         return -_ENDLESS, _ENDLESS
@@ -49,7 +49,7 @@ class Carriage:
         self._report = report
 
     def move(self, tick, steps):
-        """True if the carriage moved. The first lost step of a stall is reported, all are counted."""
+        """Move by steps; return True if the carriage moved. The first lost step of a stall is reported, all are counted."""
         if self.stall:
             self.stall -= 1
             self.lost += 1
@@ -116,7 +116,7 @@ class Barrier:
         self._random = random
 
     def cross_edge(self, tick):
-        """The carriage crossed the edge."""
+        """Take the carriage across the edge, and plan the chatter of the output."""
         self.below = not self.below
         self._reading = self.below != self._high
         pairs = self._random.randint(1, CHATTER) if self._bounce_ticks else 0
@@ -127,12 +127,12 @@ class Barrier:
         self._plan_next()
 
     def pass_by(self):
-        """The carriage was put across the edge while nothing plays: no chatter."""
+        """Take the carriage across the edge while nothing plays: no chatter."""
         self.below = not self.below
         self._reading = self.below != self._high
 
     def run(self):
-        """The next false edge."""
+        """Turn the output round for the next false edge."""
         self._chatter.pop()
         self._reading = not self._reading
         self._plan_next()
@@ -180,7 +180,7 @@ class Solenoid:
         self.due = tick + self._delays[on] if self._wanted != self.value else NEVER
 
     def run(self):
-        """The pen arrives."""
+        """Have the pen arrive."""
         self.value = self._wanted
         self.due = NEVER
 
@@ -218,7 +218,7 @@ class Spindle:
         self._turns += ((before + self.rpm) / 2 * ramp_s + self.rpm * (seconds - ramp_s)) / 60
 
     def count_pulses(self, tick):
-        """(pulses since the start, tick of the last)."""
+        """Return (pulses since the start, tick of the last)."""
         self.run(tick)
         count = int(self._turns * self._per_turn)
         if count != self._count and not self.unplugged:

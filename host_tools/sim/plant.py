@@ -109,7 +109,7 @@ class Plant:
         self.slipping = None
 
     def _build_gantry(self, racked):
-        """The second side of a gantry: a carriage of its own, as far as the frame lets it."""
+        """Build the second side of a gantry: a carriage of its own, as far as the frame lets it."""
         self.second = self._watching_second = None
         self._gantry = gantry = self._board.get("gantry")
         self._second_mask = 0
@@ -120,7 +120,7 @@ class Plant:
             self.second = Carriage(first.name + "2", first.position + racked, low, high, self.report)
 
     def skew_steps(self):
-        """Steps that the second side of a gantry stands beyond the first."""
+        """Return the steps by which the second side of a gantry stands beyond the first."""
         return self.second.position - self.carriages[self._gantry_axis].position
 
     def _build_barriers(self, bounce_ms):
@@ -265,7 +265,7 @@ class Plant:
             self._plan_next()
 
     def move_axis(self, tick, axis, steps):
-        """Move the carriage of an axis, if it can; its barriers look."""
+        """Move the carriage of an axis by steps, and its barriers. Returns True if it moved."""
         carriage = self.carriages[axis]
         if not self._move_carriage(tick, carriage, steps):
             return False
@@ -280,7 +280,7 @@ class Plant:
                 self._show_barrier(tick, barrier)
 
     def _add_barrier(self, name, axis, barrier):
-        """`barrier` watches an axis, which may have one at either end."""
+        """Add a barrier that watches an axis, which may have one at either end."""
         self.barriers[name] = barrier
         if self._watching[axis] is None:
             self._watching[axis] = barrier
@@ -318,7 +318,7 @@ class Plant:
             (self._open_relays.discard if level == self._relays[name] else self._open_relays.add)(name)
 
     def input(self, tick, name):
-        """The electrical level of an input; one that watches no axis rests inactive."""
+        """Return the electrical level of an input; one that watches no axis rests inactive."""
         if tick >= self._due:
             self.run(tick)
         barrier = self.barriers.get(name)
@@ -327,7 +327,7 @@ class Plant:
         return level ^ self.noise[name].flipped if name in self.noise else level
 
     def run(self, tick):
-        """Let the barriers' chatter and the solenoid's arrival happen, in their order, up to `tick`."""
+        """Carry out the barriers' chatter and the solenoid's arrival, in their order, up to `tick`."""
         while self._due <= tick:
             due = self._due
             for part in self._parts:
@@ -342,7 +342,7 @@ class Plant:
             self._plan_next()
 
     def next_event(self):
-        """The tick at which something happens by itself next; None: nothing will."""
+        """Return the tick of the next event by itself; None: there is none."""
         return None if self._due is NEVER else self._due
 
     # --- the machine
@@ -359,8 +359,8 @@ class Plant:
         self._listeners.append(callback)
 
     def inject_noise(self, name, ticks):
-        """Noise on a wire: the level of an input is the other one from the first of `ticks` to the second, from the third to the
-        fourth, and so on."""
+        """Put noise on a wire: the level of an input is the other one from the first of `ticks` to the second, from the third to the fourth, and so
+        on."""
         if name not in self.noise:
             self.noise[name] = Noise(name)
             self._parts.append(self.noise[name])
@@ -384,7 +384,7 @@ class Plant:
             self.errors.append((tick, text))
 
     def decoder_of(self, axis):
-        """The decoder of an axis, for its electrical position, current and release."""
+        """Return the decoder of an axis, for its electrical position, current and release."""
         return self._decoders[axis]
 
     def _move_carriage(self, tick, carriage, steps):
@@ -397,7 +397,7 @@ class Plant:
         return carriage.move(tick, steps)
 
     def _apply_tool(self, tick):
-        """The tool has reached its state: note it in the trace, and drive the spindle."""
+        """Note the tool's new state in the trace, and drive the spindle."""
         if self._board.get("servo"):
             return  # which sees to the pen
         self.tool = self._solenoid.value * self._power // 1000
@@ -427,15 +427,15 @@ class Plant:
     # --- what a motor and its encoder may do, by the motor's name
 
     def stall_motor(self, motor, steps):
-        """The next `steps` that a motor is asked for are lost."""
+        """Lose the next `steps` for which a motor is asked."""
         self._carriage_of(motor).stall += steps
 
     def mend_inputs(self):
-        """From now on nothing is wrong with any input; levels that a bounce still has to change excepted."""
+        """End all faults of the inputs; levels that a bounce still has to change excepted."""
         self._faults = InputFaults(self._board["inputs"], self.barriers, {}, self._random)
 
     def slip_motor(self, motor, steps):
-        """A motor turns by `steps` that nobody asked for."""
+        """Turn a motor by `steps` that nobody asked for."""
         carriage = self._carriage_of(motor)
         carriage.position += steps
         watching = [self._watching_second]

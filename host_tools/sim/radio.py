@@ -36,7 +36,7 @@ class LoopbackRadio:
                 raise Failure("cannot serve {} on port {}: {}", kind, port, reason(error)) from error
 
     def open_kinds(self):
-        """Kinds of the open sockets: "http", "tcp"."""
+        """Return the kinds of the open sockets: "http", "tcp"."""
         return list(self._sockets)
 
     def port_of(self, kind):

@@ -67,12 +67,12 @@ class Slipping:
         self._often = often
 
     def _motors_of(self, places):
-        """Axes to motors, and so back but for a factor of two."""
+        """Return the motors' positions of axes' positions, in steps; twice that, the other way round, on a belt (CoreXY)."""
         x, y = places[:2]
         return [x + y, x - y] + list(places[2:]) if self._belt else list(places)
 
     def turn_motor(self, tick, motor, steps):
-        """A motor's field goes on by steps. True if a carriage has moved."""
+        """Turn a motor's field by steps. Returns True if a carriage has moved."""
         self._tick = tick
         self._fields[motor] += steps
         moved = self._move_carriages(tick)
@@ -87,7 +87,7 @@ class Slipping:
         return moved
 
     def _free_positions(self):
-        """Positions of the carriages if nothing held them."""
+        """Return the positions of the carriages if nothing held them."""
         wanted = [field - lost for field, lost in zip(self._fields, self._lost)]
         if self._belt:
             wanted[:2] = (wanted[0] + wanted[1]) // 2, (wanted[0] - wanted[1]) // 2

@@ -37,7 +37,7 @@ def start(board):
 
 
 def board_named(name):
-    """The board file's table, which MicroPython imports as a module of the folder boards/."""
+    """Return the board file's table, which MicroPython imports as a module of the folder boards/."""
     return getattr(__import__("boards." + name), name).BOARD
 
 
@@ -60,7 +60,7 @@ class Trail:
             self.positions.append(tool)
 
     def take_positions(self):
-        """Positions since the last call: flat, each axis in steps and the tool, 0…1000."""
+        """Return the positions since the last call: flat, each axis in steps and the tool, 0…1000."""
         positions = self.positions
         self.positions = []
         return positions
@@ -123,7 +123,7 @@ class Tab:
         })  # fmt: skip
 
     def hear(self, text):
-        """An order of the page; the answer goes to it."""
+        """Carry out an order of the page, JSON, and send the answer."""
         order = json.loads(text)
         looks = isinstance(order, dict) and order.get("do") == "look"
         answer = self._pace.look(order) if looks else self.api.answer_order(order, True)
@@ -132,7 +132,7 @@ class Tab:
         self._send_event(answer)
 
     def turn(self, budget_ms):
-        """Work for about `budget_ms`; returns how many ms may pass until the next turn."""
+        """Work for about `budget_ms`; return how many ms may pass until the next call."""
         port = self.port
         begun = port.link_ms()
         while True:
@@ -148,7 +148,7 @@ class Tab:
         return 0 if behind else 1 if moving else _REST_MS
 
     def cycle(self):
-        """One cycle of the firmware's main loop, and of the page's side of the wire. Returns the most ticks that it may last."""
+        """Run one cycle of the firmware's main loop, and of the page's side of the wire. Returns the most ticks that it may last."""
         port = self.port
         app = self.app
         app.poll()

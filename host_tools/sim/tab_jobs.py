@@ -17,7 +17,7 @@ _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
 
 
 def text_error(text):
-    """0 if a file may be a job, else NOT_A_JOB: it is empty, or has zero bytes, as pictures have."""
+    """Return 0 if a file may be a job, else NOT_A_JOB: it is empty, or has zero bytes, as pictures have."""
     return errors.NOT_A_JOB if "\0" in text or not text.strip() else 0
 
 
@@ -32,12 +32,12 @@ class Jobs:
         return [(name, len(self._jobs[name])) for name in sorted(self._jobs)]
 
     def name_error(self, name):
-        """0 if a job may have this name."""
+        """Return 0 if a job may have this name, else JOB_NAME."""
         good = 0 < len(name) <= _MOST_NAME and name[0] in _LETTERS and name[-1] not in ". "
         return 0 if good and not [letter for letter in name if letter not in _LETTERS + " ._-"] else errors.JOB_NAME
 
     def lines_of(self, name):
-        """[(number, bytes)], or the number of an error."""
+        """Return [(number, bytes)] as they are sent, or the number of an error."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB
         text = self._jobs[name]
@@ -50,17 +50,17 @@ class Jobs:
             return {"error": errors.JOB_LINE, "line": wrong.number, "text": ""}
 
     def facts_of(self, name, settings):
-        """{} for any job: a tab does not analyse jobs. An error number if there is no such job."""
+        """Return {}: a tab does not analyse jobs; or NO_SUCH_JOB."""
         return {} if name in self._jobs else errors.NO_SUCH_JOB
 
     def text_piece(self, name, at):
-        """(text from character `at` on, at most 32 kB, and how many there are), or the number of an error."""
+        """Return (text from character `at` on, at most 32 kB, and how many there are), or the number of an error."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB
         return self._jobs[name][at : at + _PIECE], len(self._jobs[name])
 
     def add_piece(self, name, at, piece, last):
-        """A piece that begins at character `at`; 0 or the number of an error."""
+        """Add a piece that begins at character `at`; return 0 or the number of an error."""
         if at == 0:
             self._coming = (name, "")
         if self._coming[0] != name or len(self._coming[1]) != at:

@@ -16,7 +16,8 @@ _READABLE = (0x00, 0x01, 0x02, 0x06, 0x6C, 0x6F)
 
 
 def crc8(data):
-    """By the bits, as a shift register has them: x⁸ + x² + x + 1, each byte's lowest bit first."""
+    """Return the CRC of a telegram, bit by bit, as a shift register has it: x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 datasheet, 4.2).
+    Return the CRC of a telegram, bit by bit, as a shift register has it: x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 datasheet, 4.2)."""
     register = [0] * 8
     for byte in data:
         for bit in range(8):
@@ -45,7 +46,7 @@ class SimDriver:
         return bool(self.registers.get(0x14, 0)) and not self.registers[0x00] & 4
 
     def diag_level(self, result):
-        """The level of DIAG with an SG_RESULT."""
+        """Return the level of DIAG with an SG_RESULT."""
         return self.can_feel_load and max(0, result) <= 2 * self.registers.get(0x40, 0)
 
     @property
@@ -57,7 +58,7 @@ class SimDriver:
         self.registers[0x6F] = value
 
     def take_telegram(self, telegram):
-        """The reply, or b""."""
+        """Carry out a telegram; return the reply, or b""."""
         register = telegram[2] & 0x7F
         if telegram[2] & 0x80:
             value = int.from_bytes(telegram[3:7], "big")
@@ -97,7 +98,7 @@ class SimDrivers:
             self._due.append((self._now_ms() + ((len(data) + 8) * 10 + CLOCKS) * self._bit_ms, reply))
 
     def replies_to(self, data):
-        """Replies to what these bytes complete."""
+        """Return the replies to the telegrams that these bytes complete."""
         self._coming += data
         replies = []
         while len(self._coming) >= 4:
@@ -124,12 +125,12 @@ class SimDrivers:
         return found
 
     def read(self):
-        """Bytes that have come by now."""
+        """Return the bytes that have come by now."""
         data = b""
         while self._due and self._due[0][0] <= self._now_ms():
             data += self._due.pop(0)[1]
         return data
 
     def any(self):
-        """0: the firmware waits for replies by the clock."""
+        """Return 0: the firmware waits for replies by the clock."""
         return 0

@@ -45,7 +45,7 @@ class SpiDriver:
         return bool(self.registers.get(0x14, 0)) and not gconf & 4 and gconf >> 7 + self.diag & 1 and gconf >> 12 + self.diag & 1
 
     def diag_level(self, result):
-        """The level of its DIAG pin at a load: `result` is that of slipping.py."""
+        """Return the level of the DIAG pin at a load; `result`: that of slipping.py. Changes SG_RESULT."""
         sgt = self.registers.get(0x6D, 0) >> 16 & 0x7F
         result = min(max(round(result) + AT_ZERO + A_SGT * (sgt - 128 if sgt > 63 else sgt), 0), 1023)
         self.registers[0x6F] = self.registers[0x6F] & ~0x010003FF | (not result) << 24 | result
@@ -57,7 +57,7 @@ class SpiDriver:
         self.shift = state << 32 | self.answer
 
     def end_exchange(self):
-        """CS has risen."""
+        """CS rises: carry out the 40 bits of the shift register."""
         register, value = self.shift >> 32 & 0x7F, self.shift & 0xFFFFFFFF
         if self.shift >> 39:
             self.answer = value
@@ -79,7 +79,7 @@ class SpiDriver:
         return 0 if self.dead else self.shift >> 39
 
     def shift_bit(self, bit):
-        """The bit that leaves as the clock rises."""
+        """Shift a bit in as the clock rises; return the bit that leaves."""
         out = self.output_bit
         self.shift = (self.shift << 1 | bit) & _MASK
         return out
@@ -109,7 +109,7 @@ class SpiDrivers:
         self.exchanges += not level
 
     def output_level(self, cs):
-        """The line's level, before the clock rises."""
+        """Return the line's level, before the clock rises."""
         chain = self.chains.get(cs)
         return chain[-1].output_bit if chain else 0
 

@@ -65,7 +65,7 @@ class Trace:
         self._rows.clear()
 
     def rezero(self, origin):
-        """The plant's position `origin` is the machine's zero, for rows already written too."""
+        """Make the plant's position `origin` the machine's zero, for rows already written too."""
         shift = [old - new for old, new in zip(self._zero, origin)]
         if not any(shift):
             return
@@ -75,7 +75,7 @@ class Trace:
         self._zero = list(origin)
 
     def rows(self):
-        """[(t_us, x, y, z, a, tool)] of the rows kept in memory: all of them if there is no file."""
+        """Return [(t_us, x, y, z, a, tool)] of the rows kept in memory: all of them if there is no file."""
         lines = (line.split(",") for line in self._csv_lines(self._rows))
         return [(float(line[0]), *map(int, line[1:])) for line in lines]
 

@@ -46,7 +46,7 @@ class Rows:
         self._most = max(self._most, 2 * self._count)
 
     def all_rows(self):
-        """The rows so far, a view."""
+        """Return the rows so far, a view."""
         return self._room[: self._count]
 
 
@@ -69,7 +69,7 @@ class Track:
         self.begin(0, [0] * layout.axes)
 
     def begin(self, tick, position):
-        """The job begins at `tick` and `position`, in steps."""
+        """Begin the job at `tick` and `position`, in steps."""
         self._zero = tick
         self.last_tick = tick
         self.position = np.array(position, np.int64)
@@ -106,7 +106,7 @@ class Track:
     # --- the words
 
     def add_words(self, tick, words):
-        """Words that begin at `tick`. Their total is below 2⁶² ticks."""
+        """Take words that begin at `tick`. Their total is below 2⁶² ticks."""
         layout = self._layout
         levels = words & layout.levels_mask
         lasts = (words >> layout.bits).astype(np.int64)
@@ -134,7 +134,7 @@ class Track:
         self._measure_speeds(ticks, positions)
 
     def _axis_moves(self, levels):
-        """−1, 0 or 1 of each axis in each word."""
+        """Return −1, 0 or 1 of each axis in each word."""
         layout = self._layout
         moves = np.zeros((len(levels), self._axes), np.int8)
         if self._drive is None:
@@ -257,7 +257,7 @@ class Track:
         return np.column_stack([rows[1:, 0] / TICKS_PER_S, np.sqrt((speeds**2).sum(axis=1)), speeds])
 
     def accelerations(self):
-        """Rows (seconds, mm/s² of each axis): from each sample to the next."""
+        """Return rows (seconds, mm/s² of each axis), from each sample to the next."""
         samples = self.samples
         times = np.concatenate([[0.0], samples[:, 0]])
         middles = (times[2:] - times[:-2]) / 2  # from the middle of each sample to that of the next

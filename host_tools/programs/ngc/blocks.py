@@ -22,7 +22,7 @@ class Block:
 
 
 def clean_line(line):
-    """(text without blanks and comments in small letters, True if the line begins with /). Raises ProgramError."""
+    """Return (text without blanks and comments in small letters, True if the line begins with /). Raises ProgramError."""
     kept = []
     inside = False
     for char in line:
@@ -43,7 +43,7 @@ def clean_line(line):
 
 
 def read(text, values):
-    """The Block of a cleaned line. Raises ProgramError."""
+    """Read the Block of a cleaned line. Raises ProgramError."""
     block = Block()
     cursor = Cursor(text, values)
     if cursor.take_text("n"):
@@ -70,7 +70,7 @@ def read(text, values):
 
 
 def _code_in_tenths(letter, value):
-    """The code in tenths."""
+    """Return the code in tenths, 431 for G43.1. Raises ProgramError."""
     tenths = half_away(value * 10)
     if abs(value * 10 - tenths) > EQUAL * 10 or value < 0:
         raise ProgramError(NOT_IN_DIALECT, "{}{:g}", letter.upper(), value)
@@ -78,7 +78,7 @@ def _code_in_tenths(letter, value):
 
 
 def whole_number(words, letter, low=0, high=1_000_000):
-    """The value of a word that is a whole number within `low` … `high`. Raises ProgramError."""
+    """Return the value of a word that is a whole number within `low` … `high`. Raises ProgramError."""
     value = words[letter]
     if abs(value - half_away(value)) > EQUAL:
         raise ProgramError(WHOLE, "{}{:g}", letter.upper(), value)

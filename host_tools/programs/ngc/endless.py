@@ -16,7 +16,7 @@ _EACH = 64  # passes from one comparison to the next
 
 
 def plain_value(value):
-    """A value that does not change with the one given. Raises TypeError if it has parts that are no plain values."""
+    """Return a copy that does not change with the value given. Raises TypeError if it has parts that are no plain values."""
     if value is None or isinstance(value, (int, float, complex, str)):
         return value
     if isinstance(value, (list, tuple)):
@@ -36,6 +36,7 @@ class Passes:
         self._loops = {}  # first line: [passes, state kept]
 
     def count_pass(self, begin):
+        """Count a pass of the loop that begins at `begin`. Raises ProgramError if the state was the same before (Brent, 1980)."""
         loop = self._loops.setdefault(begin, [0, None])
         loop[0] += 1
         if loop[0] % _EACH or loop[0] < _FIRST:

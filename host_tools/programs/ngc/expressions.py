@@ -63,14 +63,14 @@ _LEVELS = {name: level for level, group in enumerate(OPERATORS) for name in grou
 
 
 def check_finite(value):
-    """`value`. Raises ProgramError if it is more than a number can be."""
+    """Return `value`. Raises ProgramError if it is more than a number can be."""
     if not math.isfinite(value):
         raise ProgramError(DOMAIN, "a number without bounds")
     return value
 
 
 def half_away(value):
-    """Rounded to the nearest whole number, halves away from zero."""
+    """Round to the nearest whole number, halves away from zero."""
     return math.floor(abs(value) + 0.5) * (1 if value >= 0 else -1)
 
 
@@ -98,25 +98,26 @@ class Cursor:
         self._depth = 0
 
     def at_end(self):
+        """True if nothing is left of the text."""
         return self.at >= len(self.text)
 
     def peek(self):
-        """The next character, "" at the end."""
+        """Return the next character, "" at the end."""
         return self.text[self.at : self.at + 1]
 
     def take_text(self, text):
-        """Step over `text` if it comes next, and say whether it did."""
+        """Step over `text` if it comes next; return whether it did."""
         if not self.text.startswith(text, self.at):
             return False
         self.at += len(text)
         return True
 
     def rest_text(self):
-        """The next text, for an error."""
+        """Return the next letters, for an error."""
         return self.text[self.at : self.at + 12] or "the line ends"
 
     def read_value(self):
-        """One value. Raises ProgramError."""
+        """Read one value: a number, a parameter, an expression in brackets, a function. Raises ProgramError."""
         if self._depth > _DEEPEST:
             raise ProgramError(DEPTH, "{} at most", _DEEPEST)
         self._depth += 1
@@ -138,7 +139,7 @@ class Cursor:
         return self._read_number()
 
     def read_expression(self):
-        """`[…]`"""
+        """Read an expression in brackets, `[…]`. Raises ProgramError."""
         if not self.take_text("["):
             raise ProgramError(SYNTAX, "[ before {}", self.rest_text())
         if self.text.count("[", 0, self.at) - self.text.count("]", 0, self.at) > _DEEPEST:
@@ -173,7 +174,7 @@ class Cursor:
             raise ProgramError(SYNTAX, "{}", self.rest_text()) from None
 
     def read_name(self):
-        """A parameter's number or name, behind its #."""
+        """Read a parameter's number or name, behind its #. Raises ProgramError."""
         if not self.take_text("<"):
             number = self.read_value()
             if abs(number - half_away(number)) > EQUAL:

@@ -173,7 +173,7 @@ class Flow:
                 raise error.name_place(line.source) from None
 
     def end(self):
-        """The program ends here."""
+        """End the program."""
         self._at = None
 
     def call_program(self, number, times):
@@ -191,7 +191,7 @@ class Flow:
             self._enter_call(begin, times)
 
     def end_program(self):
-        """M99: back to the caller, or once more; in the main program its end."""
+        """M99: return to the caller, or begin once more; in the main program end it."""
         if not self._calls or self._calls[-1][2] is None:
             if self._calls:
                 raise ProgramError(LABEL, "M99 in a subroutine of O words")

@@ -58,12 +58,12 @@ class Interpreter(Motions):
         self.flow = None
 
     def plain_state(self):
-        """All that the lines to come depend on, in plain values. Raises TypeError while a contour is compensated."""
+        """Return everything that the next lines depend on, in plain values. Raises TypeError while a contour is compensated."""
         parts = (self, self.path, self.values, self.saved)
         return tuple(plain_value({key: each for key, each in vars(part).items() if key not in _NO_STATE}) for part in parts)
 
     def _readable_parameters(self):
-        """Parameters by which the program can ask for its state."""
+        """Return {number or name: function} of the parameters by which a program asks for its state."""
         told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length[0] or 0.0}
         told[5410] = lambda: self.tools[self.tool].diameter / self.scale if self.tool in self.tools else 0.0
         for axis, name in enumerate("xyza"):
@@ -85,7 +85,7 @@ class Interpreter(Motions):
         return told
 
     def carry_out(self, text):
-        """One line; True if it ends the program. Raises ProgramError."""
+        """Carry out one line; return True if it ends the program. Raises ProgramError."""
         block = read(text, self.values)
         words = self.words = block.words
         g, m = self._group_codes(block)
@@ -137,7 +137,7 @@ class Interpreter(Motions):
         return self._stop_program(m.get(STOPPING))
 
     def _group_codes(self, block):
-        """({group: code} of the G codes, the same of the M codes). Raises ProgramError."""
+        """Return ({group: code} of the G codes, the same of the M codes). Raises ProgramError."""
         found = {}, {}
         for letter, codes, groups, kept in (("g", block.g, G_GROUPS, found[0]), ("m", block.m, M_GROUPS, found[1])):
             for code in codes:
@@ -151,7 +151,7 @@ class Interpreter(Motions):
         return found
 
     def _motion_of(self, g, non_modal):
-        """The motion that the line's axis words are for; None: nothing moves. Keeps the modal one."""
+        """Return the motion for which the line has axis words, None if nothing moves, and keep the modal one."""
         commands = [code for code in g.values() if code in AXIS_COMMANDS]
         if len(commands) > 1:
             raise ProgramError(TWO_COMMANDS, "{}", " ".join(f"G{number_text(code / 10, 1)}" for code in commands))
@@ -170,7 +170,7 @@ class Interpreter(Motions):
         return self.motion
 
     def set_feed(self, motion):
-        """F in mm/min; of G93 and G95 as it stands."""
+        """Take F: mm/min; with G93 and G95 the number as it stands. Raises ProgramError."""
         if "f" in self.words:
             value = self.words.pop("f")
             if value < 0:
@@ -181,7 +181,7 @@ class Interpreter(Motions):
             raise ProgramError(NO_FEED, "with G93 each line has an F")
 
     def _stop_program(self, code):
-        """M0, M1, M2, M30, M60. True at the program's end."""
+        """Carry out M0, M1, M2, M30 and M60; return True at the program's end."""
         if code is None:
             return False
         if code in (0, 10, 600):
@@ -192,18 +192,18 @@ class Interpreter(Motions):
         return True
 
     def not_compensated(self, what):
-        """Raises ProgramError while the radius is compensated."""
+        """Raise ProgramError while the radius is compensated."""
         if self.path.contour:
             raise ProgramError(COMPENSATED, "{}", what)
 
     def take_word(self, letter):
-        """The value of a word that the command needs. Raises ProgramError if it is missing."""
+        """Take the value of a word that the command needs. Raises ProgramError if it is missing."""
         if letter not in self.words:
             raise ProgramError(MISSING, "{}", letter.upper())
         return self.words.pop(letter)
 
     def take_whole(self, letter, low=0, high=1_000_000):
-        """The same of a whole number."""
+        """Take the value of a word that is a whole number within `low` … `high`. Raises ProgramError."""
         if letter not in self.words:
             raise ProgramError(MISSING, "{}", letter.upper())
         value = whole_number(self.words, letter, low, high)

@@ -56,7 +56,7 @@ class Modes:
             self.path.put_word(" ".join(words + ([f"M{code // 10}"] if code is not None else [])))
 
     def turn_spindle(self, rpm, spindle):
-        """As it turned before."""
+        """Set speed and direction of the spindle to what they were before."""
         self.rpm, self.spindle = rpm, spindle
         self.path.put_word(f"S{number_text(rpm, 3)} {spindle or 'M5'}")
 
@@ -82,7 +82,7 @@ class Modes:
             self.path.put_word(f"M{output // 10} P{self.take_whole('p', 0, 9)}")
 
     def wait_for_input(self):
-        """M66: the board waits for an input. Its result, #5399, is known to the machine only."""
+        """M66: have the board wait for an input. The result, #5399, is known to the machine only."""
         if "e" in self.words:
             raise ProgramError(NOT_ON_BOARD, "M66 E: {}", _("analogue inputs"))
         port = self.take_whole("p", 0, 9)
@@ -133,7 +133,7 @@ class Modes:
             self.set_tool_length(self.length[0] + self.tools[tool].length)
 
     def set_tool_length(self, mm, word=None):
-        """Take a length of the tool, None if only the board knows it, by a word, G43.1 by default."""
+        """Set the tool's length in mm, None if only the board knows it, by a word, default G43.1."""
         self.length = mm, word or f"G43.1 Z{number_text(mm)}"
         self.path.put_word(self.length[1])
         self.path.forget_axes((2,))
@@ -147,7 +147,7 @@ class Modes:
         self.path.turn_coordinates(self.turned.get(self.system, 0.0))
 
     def set_offsets(self, code):
-        """G10, G28, G30, G92 and what belongs to them."""
+        """Carry out G10, G28, G30, G92 and the codes that set or forget their positions."""
         self.not_compensated(f"G{number_text(code / 10, 1)}")
         if code == 100:
             self._set_table()
@@ -169,7 +169,7 @@ class Modes:
             self.path.forget_axes()
 
     def unit_mm(self, axis):
-        """mm, of A degrees, that a word's number counts."""
+        """Return the mm, of A the degrees, of one unit of an axis word."""
         if axis < 3 or self.linear:
             return self.scale
         if self.scale != 1.0:
@@ -181,7 +181,7 @@ class Modes:
         return list(axes) == [3] and not self.linear
 
     def _axis_values(self):
-        """{axis: mm, of A degrees} of the axis words."""
+        """Take the axis words; return {axis: mm, of A degrees}."""
         found = {axis: self.words.pop(name.lower()) * self.unit_mm(axis) for axis, name in enumerate(AXES) if name.lower() in self.words}
         if not found:
             self.take_word("x")
@@ -231,7 +231,7 @@ class Modes:
                 self.path.turn_place()
 
     def _turn_system(self, system, table):
-        """R of G10: how far a system is turned."""
+        """R of G10: turn a work system, by degrees."""
         if "r" not in self.words:
             return
         degrees = self.words.pop("r")
@@ -244,7 +244,7 @@ class Modes:
             self.path.turn_coordinates(degrees)
 
     def _set_turned(self, positions, system, degrees):
-        """G10 L20 in a system that is turned: the board's are not, so it gets both of X and Y."""
+        """G10 L20 in a turned system: fill in both of X and Y, because the board's systems are not turned."""
         for axis in (0, 1):
             if axis not in positions:
                 if system != self.system:

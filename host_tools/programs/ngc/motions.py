@@ -20,7 +20,7 @@ class Motions(Modes):
     """The part of Interpreter that moves."""
 
     def take_target(self):
-        """The position that the axis words name: mm of X, Y, Z, degrees of A; None where there is no word. Takes the words."""
+        """Take the axis words; return the position that they name: mm of X, Y, Z, degrees of A; None where there is no word."""
         position = []
         for axis, name in enumerate("xyza"):
             value = self.words.pop(name, None)
@@ -34,7 +34,7 @@ class Motions(Modes):
         return position
 
     def _apply_polar(self, position):
-        """@ and ^: distance from the program's zero, or with G91 from the circle through the position, and angle."""
+        """@ and ^: change `position` to this distance and angle from the program's zero, or with G91 relative to the tool's."""
         if position[0] is not None or position[1] is not None:
             raise ProgramError(RANGE, "@ and ^ in place of X and Y")
         distance, angle = (self.words.pop(letter, None) for letter in "@^")
@@ -51,7 +51,7 @@ class Motions(Modes):
         position[0], position[1] = radius * math.cos(math.radians(turned)), radius * math.sin(math.radians(turned))
 
     def put_motion(self, motion, of_machine):
-        """One line's motion; `of_machine`: G53."""
+        """Append one line's motion; `of_machine`: G53. Raises ProgramError."""
         if self.nurbs and motion not in (52, 53):
             raise ProgramError(MISSING, "G5.3")
         if "a" in self.words and motion not in (0, 10, *PROBES):
@@ -85,11 +85,11 @@ class Motions(Modes):
 
     @staticmethod
     def _line_length(before, target, moved):
-        """Length of a straight line that moves these axes, in mm, of A alone in degrees; None if a start is not known."""
+        """Return the length of a straight line that moves these axes, in mm, of A alone in degrees; None if a start is not known."""
         return None if any(before[axis] is None for axis in moved) else math.hypot(*(target[axis] - before[axis] for axis in moved))
 
     def _feed_of(self, length, turns=False):
-        """mm/min of a motion of this length, in mm; degrees of both if A alone `turns`."""
+        """Return the feed of a motion of this length, in mm/min; if A alone `turns`, length and feed are degrees. Raises ProgramError."""
         feed = self.typed if turns else self.feed
         if self.feed_mode == 930:
             if length is None:
@@ -155,7 +155,7 @@ class Motions(Modes):
             self._close_nurbs()
 
     def _take_pair(self, first, second, otherwise=None):
-        """The values of two words, mm; `otherwise` if there is neither. Raises ProgramError."""
+        """Take the values of two words, in mm; `otherwise` if there is neither. Raises ProgramError."""
         if otherwise is not None and first not in self.words and second not in self.words:
             return otherwise
         return complex(self.take_word(first), self.take_word(second)) * self.scale
@@ -221,7 +221,7 @@ class Motions(Modes):
         self.path.arc_to(self.plane, clockwise, target, centre, feed, turns, sweep, _SLACK * self.scale / (10 if self.scale > 1 else 1))
 
     def _take_centre(self, first, second, begin):
-        """The centre by I, J, K, in mm from the start."""
+        """Take I, J, K; return the centre in mm from the start. Raises ProgramError."""
         letters = "ijk"[first], "ijk"[second]
         if not any(letter in self.words for letter in letters):
             raise ProgramError(ARC, "R, or {} and {}", letters[0].upper(), letters[1].upper())

@@ -21,7 +21,7 @@ class SavedModes:
         self._levels = [(None, False)]  # of each call (state, or None; True if it is gone back to at the call's end)
 
     def carry_out(self, code):
-        """Raises ProgramError."""
+        """Carry out M70 to M73. Raises ProgramError if no state is kept."""
         if code == RESTORE:
             state = self._levels[-1][0]
             if state is None:
@@ -34,7 +34,7 @@ class SavedModes:
         self._levels.append((None, False))
 
     def leave_call(self):
-        """Raises ProgramError."""
+        """Leave a subroutine; restore the state if M73 kept it. Raises ProgramError."""
         state, at_end = self._levels.pop()
         if at_end:
             self._restore_state(state)

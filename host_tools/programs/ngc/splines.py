@@ -10,7 +10,7 @@ _PIECES = 8  # that a curve has at least: a wave may cross its chord in the midd
 
 
 def bezier(controls):
-    """The curve of these control points: a function of 0 … 1."""
+    """Return the Bézier curve of these control points, a function of 0 … 1 (de Casteljau)."""
 
     def point_at(share):
         row = list(controls)
@@ -22,8 +22,8 @@ def bezier(controls):
 
 
 def nurbs(controls, weights, order):
-    """The curve of `order` (degree + 1) whose knots are 0 … 0 1 2 … n … n, so that it begins and ends at its outer control points: (function of
-    0 … n, n)."""
+    """Return (function of 0 … n, n): the curve of `order` (degree + 1) with knots 0 … 0 1 2 … n … n, which begins and ends at its outer control
+    points (de Boor)."""
     count = len(controls) - order + 1
     knots = [0] * order + list(range(1, count)) + [count] * order
     weighted = [(control * weight, weight) for control, weight in zip(controls, weights)]
@@ -44,7 +44,7 @@ def nurbs(controls, weights, order):
 
 
 def flatten_curve(point, end, sag):
-    """Points of the curve from 0 to `end`, its start left out, whose chords are at most about `sag` mm away from it."""
+    """Return points of the curve from 0 to `end`, without its start, whose chords are at most about `sag` mm away from it."""
     found = []
     pieces = _PIECES * end
     for number in range(pieces):
@@ -64,7 +64,7 @@ def _halve_span(point, low, high, begin, last, sag, found, depth):
 
 
 def _distance_off(place, begin, end):
-    """How far `place` is from the line between two others."""
+    """Return the distance of `place` from the line between two others."""
     chord = end - begin
     if not chord:
         return abs(place - begin)

@@ -27,7 +27,7 @@ class State:
         return name in self._told or name in self._scope_of(name)
 
     def get(self, name):
-        """The value of a parameter: a number, or a name without its brackets. Raises ProgramError."""
+        """Return the value of a parameter: a number, or a name without its brackets. Raises ProgramError."""
         if name in self._told:
             return float(self._told[name]())
         if not isinstance(name, int):
@@ -57,7 +57,7 @@ class State:
             raise ProgramError(PARAMETER, "#{}", number)
 
     def enter_call(self, arguments):
-        """A subroutine is called."""
+        """Begin a subroutine: save the local parameters, and set its arguments. Raises ProgramError."""
         self._saved.append([self._numbered.get(number, 0.0) for number in LOCALS])
         self._names.append({})
         if len(arguments) > len(LOCALS):
@@ -66,7 +66,7 @@ class State:
         self._globals.update(_value=0.0, _value_returned=0.0)
 
     def leave_call(self, value):
-        """It returns, with a value or None."""
+        """End a subroutine, with a value or None: restore the local parameters."""
         self._numbered.update(zip(LOCALS, self._saved.pop()))
         self._names.pop()
         if value is not None:

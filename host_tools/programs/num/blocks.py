@@ -59,25 +59,25 @@ class Block:
 
 
 def clean_line(line):
-    """A line without comments and blanks, in capitals."""
+    """Return a line without comments and blanks, in capitals."""
     return re.sub(r"\s", "", re.sub(r"\([^)]*\)?", "", line)).upper()
 
 
 def number_of(text):
-    """The N of a cleaned line, or None."""
+    """Return the number behind N of a cleaned line, or None."""
     found = re.match(r"/?N([0-9]+)", text)
     return whole_number(found[1]) if found else None
 
 
 def whole_number(digits):
-    """The number of these digits. Raises ProgramError if there are more than a controller takes."""
+    """Return the number of these digits. Raises ProgramError if there are more than a controller takes."""
     if len(digits) > _DIGITS:
         raise ProgramError(RANGE, "{} digits at most", _DIGITS)
     return int(digits)
 
 
 def read(text, variables):
-    """The Block of a cleaned line. Raises ProgramError."""
+    """Read the Block of a cleaned line. Raises ProgramError."""
     return _Reader(text.lstrip("/"), variables).read_block()
 
 
@@ -116,7 +116,7 @@ class _Reader:
         return block
 
     def _read_variable(self, block, assigned):
-        """`L1=…`, or a condition behind G79."""
+        """Read `L1=…`, or a condition behind G79. Raises ProgramError."""
         if 79 in block.g:
             block.condition = self._read_condition()
             return

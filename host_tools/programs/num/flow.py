@@ -24,7 +24,7 @@ class _Part:
 
 
 def _read_at(read, text, source):
-    """read(text), whose error names where it stands."""
+    """Return read(text); an error gets the name of its line."""
     try:
         return read(text)
     except ProgramError as error:
@@ -63,7 +63,7 @@ class Flow:
         self._runs = [_Run(main, 0, len(main.rows) - 1, 0)] if main else []
 
     def _parse_label(self, label, source):
-        """The number behind a %."""
+        """Return the number behind a %. Raises ProgramError."""
         if not (label.isascii() and label.isdigit()):
             raise ProgramError(SYNTAX, "% and a number before {}", "%" + label, place=source)
         number = _read_at(whole_number, label, source)
@@ -88,7 +88,7 @@ class Flow:
             yield source, text
 
     def end(self):
-        """The program ends here."""
+        """End the program."""
         self._runs = []
 
     def jump_to(self, number):
@@ -103,7 +103,7 @@ class Flow:
         run.at = at
 
     def call_program(self, program, numbers, times):
-        """G77: a program, or None for this one, as a whole or from one block to another."""
+        """G77: carry out a program, or None: this one, as a whole or from one block to another, `times` times. Raises ProgramError."""
         part = self._runs[-1].part
         if program is not None:
             if program not in self._parts:

@@ -29,7 +29,8 @@ _M = ((0, 1, 2), (3, 4, 5), (6,), (7, 8, 9), (10, 11))
 
 
 def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, find=None, skip=False):
-    """Carry out a program into `listing`. Returns {file: its lines}. As that of ngc.interpreter; subprograms are in the file."""
+    """Carry out a program into `listing`; return {file: its lines}. Arguments as of ngc.interpreter; subprograms are in the file. Raises
+    ProgramError."""
     flow = Flow(name, text, bound, skip)
     path = Toolpath(listing, start)
     interpreter = Interpreter(path, flow, tools or {})
@@ -67,7 +68,7 @@ class Interpreter:
         self._words = {}
 
     def carry_out(self, text):
-        """One block. Raises ProgramError."""
+        """Carry out one block. Raises ProgramError."""
         block = read(text, self._variables)
         words = self._words = block.words
         g, m = self._group_codes(block.g, _GROUPS, "G"), self._group_codes(block.m, _M, "M")
@@ -94,7 +95,7 @@ class Interpreter:
 
     @staticmethod
     def _group_codes(codes, groups, letter):
-        """The codes as a set. Raises ProgramError if one is not known, or two exclude each other."""
+        """Return the codes as a set. Raises ProgramError if one is not known, or two exclude each other."""
         taken = set()
         for code in codes:
             group = next((group for group in groups if code in group), None)
@@ -106,7 +107,7 @@ class Interpreter:
         return taken
 
     def _take_word(self, name, default=None):
-        """The value of a word. Raises ProgramError if it is missing and there is no default."""
+        """Take the value of a word. Raises ProgramError if it is missing and there is no default."""
         if name not in self._words and default is None:
             raise ProgramError(MISSING, "{}", name)
         return self._words.pop(name, default)
@@ -122,7 +123,7 @@ class Interpreter:
     # --- what comes next
 
     def _carry_out_branch(self, g, m, block):
-        """G77 and G79."""
+        """Carry out G77 and G79. Raises ProgramError."""
         if g - {77, 79} or m or len(g) > 1:
             raise ProgramError(TWO_COMMANDS, "G77 and G79 stand alone")
         if 79 in g:
@@ -171,7 +172,7 @@ class Interpreter:
             self.path.compensate(LEFT if 41 in g else RIGHT, self._tool_radius(), self._plane)
 
     def _tool_radius(self):
-        """The radius of the tool that D names. Raises ProgramError."""
+        """Return the radius of the tool that D names, in mm. Raises ProgramError."""
         if self._tool == 0:
             return 0.0
         if self._tool not in self._tools:
@@ -234,7 +235,7 @@ class Interpreter:
             self.path.move_to(self._take_target(), not self._motion, self._feed if self._motion else 0.0)
 
     def _take_target(self):
-        """The position that the axis words name, mm; None where there is no word. Takes the words."""
+        """Take the axis words; return the position that they name, mm; None where there is no word."""
         position = []
         for axis, name in enumerate(_AXES):
             value = self._words.pop(name, None)

@@ -31,7 +31,7 @@ class Pocket:
     feeds: tuple  # down and sideways, and the same of the finish
 
     def put_motions(self, path, radius):
-        """Append all motions. Raises ProgramError if the tool does not fit."""
+        """Append all motions of the pocket. Raises ProgramError if the tool does not fit."""
         room = min(self.half) - radius - self.stock
         if radius <= 0 or room < 0:
             raise ProgramError(POCKET, "a tool of radius {:g} in {:g} × {:g} mm", radius, 2 * self.half[0], 2 * self.half[1])
@@ -61,7 +61,7 @@ class Pocket:
         return max(0.0, self.half[0] - inset), max(0.0, self.half[1] - inset)
 
     def _loop_insets(self, least):
-        """Insets of the loops from the wall, from the inside out."""
+        """Return the insets of the loops from the wall in mm, from the inside out."""
         count = math.ceil((min(self.half) - least) / self.step - 1e-9)
         return [min(self.half)] + [least + self.step * each for each in range(count - 1, -1, -1)]
 
@@ -72,7 +72,7 @@ class Pocket:
         path.move_to(start, False, along)
 
     def _put_loop(self, path, inset, feed):
-        """Once around, from the middle of the right side; the middle line if the loop has no width."""
+        """Append one loop, from the middle of the right side; the middle line if the loop has no width."""
         width, height = self._loop_reach(inset)
         x, y = self.centre
         path.move_to([x + width, y, None], False, feed)
