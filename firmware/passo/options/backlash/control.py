@@ -43,14 +43,17 @@ class Queue(StreamQueue):
         return self._planner.to_axes(self._feeder.found(played))
 
     def found(self, edge=None):
+        """Return the position in steps from the origin, or that at the edge which the Latch `edge` holds."""
         if edge:
             return self._from_origin(self._planner.to_axes(self._feeder.found(self._player.played(), edge)))
         return self._from_origin(self._ask_undisturbed(self._since_start))
 
     def axis(self, axis, edge=None):
+        """Return an axis's position in steps since power-up; `edge`: see found()."""
         return self.found(edge)[axis] + self._origin[axis]
 
     def set_origin(self, axes=-1):
+        """Let the axes of a mask count from here (-1: all)."""
         found = self._ask_undisturbed(self._since_start)
         for axis in range(len(found)):
             if axes >> axis & 1:
@@ -58,6 +61,7 @@ class Queue(StreamQueue):
         self.settle()
 
     def drop(self):
+        """Drop all that is queued; the axes stay where they are. Only once the player has stopped."""
         self.retire()
         self._planner.stop(self._motor_positions())
         StreamQueue.drop(self)

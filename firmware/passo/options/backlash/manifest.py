@@ -10,6 +10,7 @@ RULES = {
 
 
 def check(board):
+    """Check the play of each axis, in µm; add $160 to $163, the planner and the queue. Raises BoardError."""
     if board.get("kinematics", "none") != "none":
         raise BoardError("backlash: remove kinematics: backlash is taken up where each motor moves its own axis")
     if board.get("rotary"):

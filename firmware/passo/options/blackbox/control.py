@@ -128,6 +128,7 @@ class Links(links.Links):
     def _with_record(self, kind, handler):
         """Return `handler`, which first records the order `kind`."""
         def record_order(command):
+            """Record the order, if no button has given it, and do it."""
             if command.link is not None and self._log.orders:  # a button has no link, and its input is recorded
                 self._catch_up()  # by which it is understood
                 self._add_row(ORDER, kind)

@@ -9,6 +9,7 @@ RULES = {
 
 
 def check(board):
+    """Have the black box stand in for the feature links; on an rp2 chip a box in memory is written at the start."""
     if board["blackbox"]:
         board["additions"].features["links"] = "passo.options.blackbox.control", "Links"
         if board["chip"][:2] == "rp":

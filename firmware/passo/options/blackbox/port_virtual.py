@@ -10,4 +10,5 @@ class Boxes:
 
 
 def create(port, keep):
+    """Return a Boxes in place of write_box()."""
     return Boxes()

@@ -10,10 +10,12 @@ RULES = {
 
 
 def claims(board):
+    """Return the pins of the card: [(pin, who)]."""
     return [(board["card"][key], "input of the card" if key == "miso" else "card " + key) for key in ("sck", "mosi", "miso", "cs")]
 
 
 def check(board):
+    """Check the card's pins against its SPI; add the feature. Raises BoardError."""
     config = board["card"]
     if not board.get("jobs"):
         raise BoardError("card: it is for stored jobs, and there is no key jobs")

@@ -52,4 +52,5 @@ class MemoryCard:
 
 
 def create(port, inputs, config):
+    """Return the MemoryCard."""
     return MemoryCard(port, config)

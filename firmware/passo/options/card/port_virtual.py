@@ -12,4 +12,5 @@ class VirtualCard:
 
 
 def create(port, config):
+    """Return the VirtualCard."""
     return VirtualCard()

@@ -7,12 +7,15 @@ RULES = {}
 
 
 def extend(rules):
+    """Let `drive.kind` be "pbl3770a"."""
     allow_kind(rules, "pbl3770a")
 
 
 def prepare(board):
+    """Give each motor six pins."""
     use_drive(board, "passo.options.drive_pbl3770a.drive", 6)
 
 
 def check(board):
+    """Raise BoardError if `drive.mode` is none of this drive."""
     check_mode(board, ("half", "full", "quarter", "eighth"))

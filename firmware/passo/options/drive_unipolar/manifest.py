@@ -7,12 +7,15 @@ RULES = {}
 
 
 def extend(rules):
+    """Let `drive.kind` be "unipolar"."""
     allow_kind(rules, "unipolar")
 
 
 def prepare(board):
+    """Give each motor four pins."""
     use_drive(board, "passo.options.drive_unipolar.drive", 4)
 
 
 def check(board):
+    """Raise BoardError if `drive.mode` is none of this drive."""
     check_mode(board, ("half", "full", "wave"))

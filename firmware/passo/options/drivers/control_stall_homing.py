@@ -97,6 +97,7 @@ class Homing(homing.Homing):
         return homing.Homing._home(self, command)
 
     def _begin(self, now_ms):
+        """See the base; no place has been located yet."""
         self._located = self._agree = 0  # of a homing that failed
         homing.Homing._begin(self, now_ms)
 

@@ -28,10 +28,12 @@ RULES = {
 
 
 def claims(board):
+    """Return the pins of the UART: [(pin, who)]."""
     return [(board["drivers"][key], "drivers " + key) for key in ("tx", "rx")]
 
 
 def check(board):
+    """Check port, pins, drivers and stall homing; add the features. Raises BoardError."""
     config = board["drivers"]
     want_step_dir(board)
     taken = [(link["port"], "link " + link["name"]) for link in board["links"]]

@@ -5,6 +5,7 @@ from passo.commands import HELLO, ZERO_COUNTS, Command
 
 
 def extend(protocol, board):
+    """Add `$ENC` and `$ENC=` to the language."""
     protocol.system.learn_lines("$ENC=", count_anew)
     protocol.system.learn_lines("$ENC", counts_report, True)
 

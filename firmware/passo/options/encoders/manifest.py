@@ -20,11 +20,12 @@ RULES = {
 
 
 def claims(board):
+    """Return the pins of the encoders: [(pin, who)]."""
     return [(pin, "input of encoder %s" % item["motor"]) for item in board["encoders"] for pin in item["pins"]]
 
 
 def check(board):
-    """Each motor has one; on an rp2 chip PIO block 1 counts them, pins side by side."""
+    """Check each encoder's motor, pins and index input; add feature and port's part. Raises BoardError."""
     if not board["encoders"]:
         return
     motors = [motor["name"] for motor in board["axes"] + board["additions"].more_motors]

@@ -52,9 +52,11 @@ class PinEncoders(Encoders):
             counts[number] = self._each[number].count
 
     def close(self):
+        """Switch all interrupts off."""
         for each in self._each:
             each.close()
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return PinEncoders(board, port, inputs)

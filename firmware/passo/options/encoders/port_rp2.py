@@ -87,14 +87,17 @@ class PioEncoders(Encoders):
         self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation
+        """Write the counts, modulo 2²⁹, to `counts`: some 20 µs for four."""
         _read_counts(counts, len(counts))
 
     def close(self):
+        """Stop the state machines."""
         for machine in self._machines:
             machine.active(0)
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return PioEncoders(board, port, inputs)
 
 

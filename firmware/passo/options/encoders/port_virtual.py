@@ -24,6 +24,7 @@ class VirtualEncoders(Encoders):
         world.listen(lambda tick, name, level: name == index.name and level == active and index.on_edge(None))
 
     def read(self, counts):
+        """Write the world's counts, modulo 2²⁹, to `counts`."""
         for number in range(len(counts)):
             counts[number] = self._encoder(number) & COUNT_MASK
 
@@ -35,6 +36,7 @@ class VirtualEncoders(Encoders):
 
 
 def create(board, port, world):
+    """Return the port's part, which the port runs every CHECK_TICKS."""
     made = VirtualEncoders(board, port, world)
     port.clocked.append(made)
     return made

@@ -18,6 +18,7 @@ RULES = {
 
 
 def prepare(board):
+    """Add the second motor of the axis, and the drive. Raises BoardError."""
     gantry = board["gantry"]
     axis = gantry["axis"]
     names = [item["name"] for item in board["axes"]]
@@ -32,10 +33,12 @@ def prepare(board):
 
 
 def claims(board):
+    """Return the pins of the second motor: [(pin, who)]."""
     return [(pin, "axis %s2" % board["gantry"]["axis"]) for pin in board["gantry"]["pins"]]
 
 
 def check(board):
+    """Check sensor, offset and encoders; add the feature. Raises BoardError."""
     gantry = board["gantry"]
     axis = gantry["axis"]
     if gantry["sensor"] and not (board["homing"] and axis in board["homing"]["sensors"]):

@@ -53,9 +53,11 @@ class IndependentAxes:
             self._put_field(axis, AXIS_NEW_BASE, -1)
 
     def _put_field(self, axis, field, value):
+        """Set a field AXIS_… of an axis."""
         self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + field] = value
 
     def _get_field(self, axis, field):
+        """Return a field AXIS_… of an axis."""
         return self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + field]
 
     # --- asking: main loop only

@@ -6,6 +6,7 @@ RULES = {}
 
 
 def check(board):
+    """Check the names of the pendant's inputs; add the feature. Raises BoardError."""
     known = ["jog_" + axis["name"] + sign for axis in board["axes"] for sign in "+-"] + ["jog_fast"]
     if "grbl" not in [link["protocol"] for link in board["links"]]:
         raise BoardError("a pendant (inputs jog_…) wants a link that speaks grbl")

@@ -36,6 +36,7 @@ class Inputs(Feature):
         return {commands.CODE + 66: self._begin_wait}
 
     def busy(self):
+        """Return True while M66 waits."""
         return self._machine.busy_with(commands.CODE + 66)
 
     def report(self, report):

@@ -4,4 +4,5 @@ RULES = {}
 
 
 def check(board):
+    """Add the feature."""
     board["additions"].features["wait"] = "passo.options.input_p.control", "Inputs"

@@ -16,6 +16,7 @@ RULES = {
 
 
 def check(board):
+    """Compile the rows into masks; add feature, limits and port's part. Raises BoardError."""
     section = board["interlock"]
     for key in ("rows", "signals", "limits"):
         if [name for name in section[key] if not isinstance(section[key][name], str)]:

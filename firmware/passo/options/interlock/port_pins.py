@@ -116,4 +116,5 @@ class PinWatch(Latch):
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return PinInterlock(board, port, inputs, outputs)

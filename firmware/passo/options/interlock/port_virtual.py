@@ -54,6 +54,7 @@ class VirtualInterlock(Interlock, VirtualInputs):
             self._let(tick)
 
     def _lasted(self, key, active):
+        """Take over a change that has lasted its filter's time."""
         if self.states >> key & 1 != active:  # else the main loop has been first
             self.take_change(key, active)
 
@@ -86,6 +87,7 @@ class VirtualInterlock(Interlock, VirtualInputs):
 
 
 def create(board, port, world):
+    """Return the port's part, which stands between the port and its world."""
     made = VirtualInterlock(board, port, world)
     port.world = made
     return made

@@ -23,10 +23,12 @@ RULES = {
 
 
 def claims(board):
+    """Return the pins of the UART: [(pin, who)]."""
     return [(board["inverter"][key], "inverter " + key) for key in ("tx", "rx")]
 
 
 def check(board):
+    """Check the UART, and that nothing else sets the speed; add the feature. Raises BoardError."""
     config = board["inverter"]
     check_link(board["chip"], dict(config, name="inverter"))
     for link in board["links"]:

@@ -113,6 +113,7 @@ class JobFile:
         return Damaged(errors.JOB_DAMAGED if wrong else self._lost)
 
     def close(self):
+        """Close the file; the stream keeps its memory."""
         self._file.close()
 
     def drop(self):

@@ -132,6 +132,7 @@ class Jobs(Feature):
         return {commands.JOB: self._do_job}
 
     def busy(self):
+        """Return True while a job runs, or is read before it."""
         return self._file is not None
 
     def report(self, report):
@@ -288,6 +289,7 @@ class Jobs(Feature):
             journal(commands.Command(commands.JOURNAL, number))
 
     def poll(self, now_ms):
+        """Begin the job of the start; prove the job, or look whether one of its lines was refused."""
         if self._start:
             name = self._start
             self._start = ""

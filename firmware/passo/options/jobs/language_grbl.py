@@ -20,6 +20,7 @@ _FRAME = (b"", b"")  # the bytes before a job, and after it
 
 
 def extend(protocol, board):
+    """Add the `$F` lines, the notice, and the counting of answers to a link's protocol."""
     protocol.stored = _LIMITS, _FRAME, _count_lines, _count_answers
     protocol.raw = b"$F:"
     notices = dict(protocol.notices)  # those of this link: the class has none

@@ -19,5 +19,6 @@ def count_answers(said, before, given):
 
 
 def extend(protocol, board):
+    """Add the `$F` lines, and the counting of answers to a link's protocol."""
     protocol.stored = LIMITS, FRAME, count_units, count_answers
     teach_lines(PacketWords.words_of(protocol))

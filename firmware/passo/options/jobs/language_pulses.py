@@ -23,6 +23,7 @@ def count_answers(said, before, given):
 
 
 def extend(protocol, board):
+    """Add the `$F` lines, the notice, and the counting of answers to a link's protocol."""
     protocol.stored = LIMITS, FRAME, count_units, count_answers
     words = Words.words_of(protocol)
     words.notices[errors.NOTICE_JOB_ENDED] = end_text

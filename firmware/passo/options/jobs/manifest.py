@@ -16,6 +16,7 @@ RULES = {
 
 
 def check(board):
+    """Check language and names; add the button, the feature and its link. Raises BoardError."""
     config = board["jobs"]
     additions = board["additions"]
     spoken = [link["protocol"] for link in board["links"]]

@@ -12,6 +12,7 @@ from passo.records import COUNT_MASK
 
 
 def extend(protocol, board):
+    """Add the `$JR` lines to a link's protocol."""
     teach_lines(protocol)
 
 

@@ -5,4 +5,5 @@ from passo.protocols.plotter.words import PacketWords
 
 
 def extend(protocol, board):
+    """Add the `$JR` lines to a link's protocol."""
     teach_lines(PacketWords.words_of(protocol))

@@ -5,4 +5,5 @@ from passo.protocols.words import Words
 
 
 def extend(protocol, board):
+    """Add the `$JR` lines to a link's protocol."""
     teach_lines(Words.words_of(protocol))

@@ -12,6 +12,7 @@ RULES = {
 
 
 def check(board):
+    """Check languages, chip and the input of the power; add features and port's part. Raises BoardError."""
     additions = board["additions"]
     spoken = [link["protocol"] for link in board["links"]]
     languages = [language for language in ("grbl", "plotter", "pulses") if language in spoken]

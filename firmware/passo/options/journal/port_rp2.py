@@ -86,4 +86,5 @@ class Pages:
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return Pages()

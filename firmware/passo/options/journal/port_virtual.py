@@ -27,4 +27,5 @@ class MemoryPages:
 
 
 def create(board, port, world):
+    """Return the port's part."""
     return MemoryPages()

@@ -37,6 +37,7 @@ class Queue(StreamQueue):
         self._found = self._origin[:]
 
     def go(self, target, nm_s, ticks, tool, tag):
+        """Queue a line to `target`; in pieces if the kinematics bend straight lines. See the base; raises ValueError."""
         planner = self._planner
         if planner.kinematics.STRAIGHT:
             StreamQueue.go(self, target, nm_s, ticks, tool, tag)
@@ -66,12 +67,15 @@ class Queue(StreamQueue):
         return into
 
     def _from_origin(self, found):
+        """Return the axes' position, in steps from the origin, for the motors' `found`."""
         return self._turn_to_axes(found, self._found)
 
     def axis(self, axis, edge=None):
+        """Return an axis's position in steps since power-up; `edge`: see found()."""
         return self.found(edge)[axis] + self._zero[axis]
 
     def set_origin(self, axes=-1):
+        """Let the axes of a mask count from here (-1: all)."""
         found = self.found()
         for axis in range(len(found)):
             if axes >> axis & 1:
@@ -79,9 +83,11 @@ class Queue(StreamQueue):
         self.settle()
 
     def settle(self):
+        """Let the queue end where the motors stand. Only at a stand."""
         self._planner.stand_at(self._feeder.position(self._player.played()))
         StreamQueue.settle(self)
 
     def drop(self):
+        """Drop all that is queued, and settle. Only once the player has stopped."""
         StreamQueue.drop(self)
         self.settle()

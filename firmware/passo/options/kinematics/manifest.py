@@ -8,6 +8,7 @@ RULES = {
 
 
 def check(board):
+    """Check the axes, and that no option wants a motor for each of them; add planner and queue. Raises BoardError."""
     kind = board["kinematics"]
     if kind == "none":
         return

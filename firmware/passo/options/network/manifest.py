@@ -21,10 +21,12 @@ RULES = {
 
 
 def prepare(board):
+    """Let links have the ports of a network."""
     board["additions"].ports = PORTS
 
 
 def check(board):
+    """Check host, inputs, links and broker; add the feature and the links' builder. Raises BoardError."""
     config = board["network"]
     for letter in config["host"]:
         if letter not in "abcdefghijklmnopqrstuvwxyz0123456789-":

@@ -4,4 +4,5 @@ RULES = {}
 
 
 def check(board):
+    """Add the feature."""
     board["additions"].features["clamp"] = "passo.options.output_clamp.control", "Clamp"

@@ -5,6 +5,7 @@ RULES = {}
 
 
 def check(board):
+    """Add the feature, and on an rp2 chip with the PIO player the port's part that shows marks."""
     additions = board["additions"]
     additions.features["digital"] = "passo.options.output_p.control", "DigitalOutputs"
     by_registers = "veto" in additions.parts or "bank" in additions.parts

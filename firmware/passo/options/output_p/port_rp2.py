@@ -56,6 +56,7 @@ class PinSwitches:
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return PinSwitches()
 
 

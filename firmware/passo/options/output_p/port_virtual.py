@@ -8,6 +8,7 @@ class VirtualSwitches:
         self._names = {entry["pin"]: entry["name"] for entry in board["outputs"]}
 
     def join(self, feeder, player):
+        """Take the player."""
         self._player = player
 
     def show_switches(self, switches):
@@ -20,4 +21,5 @@ class VirtualSwitches:
 
 
 def create(board, port, world):
+    """Return the port's part."""
     return VirtualSwitches(board, port, world)

@@ -4,4 +4,5 @@ RULES = {}
 
 
 def check(board):
+    """Add the feature."""
     board["additions"].features["vacuum"] = "passo.options.output_vacuum.control", "Vacuum"

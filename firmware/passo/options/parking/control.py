@@ -96,6 +96,7 @@ class Pauses(pauses.Pauses):
         return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
 
     def _stand(self):
+        """At the stand of a hold: pull the axis out if it parks, else see the base."""
         if not self._has_to_park():
             pauses.Pauses._stand(self)
             return
@@ -124,12 +125,14 @@ class Pauses(pauses.Pauses):
     # --- and back
 
     def _switch_on(self):
+        """Go down to where the axis was pulled out to, then switch on; see the base."""
         if self._machine.away:
             self._set_out(_RETURNS, self._pulled, _SPEED, False)
         else:
             pauses.Pauses._switch_on(self)
 
     def _go_on(self):
+        """Plunge to the path, then go on; see the base."""
         if self._machine.away:
             self._set_out(_PLUNGES, self._path, _PULL_OUT_SPEED, self._queue.lit())
         else:

@@ -16,6 +16,7 @@ RULES = {
 
 
 def check(board):
+    """Check axis, input and links; add the feature, $41, $42, $56 to $59 and $142. Raises BoardError."""
     config = board["parking"]
     want_input(board, "parking", "door")
     unfit = [other for other in ("encoders", "weaving", "step_program", "interlock") if board.get(other)]

@@ -24,6 +24,7 @@ RULES = {
 
 
 def claims(board):
+    """Return the pins of the chains and of their edges: [(pin, who)]."""
     config = board["registers"]
     pins = [(config[key], "input of the registers" if key == "in" else "registers' " + key) for key in ("clock", "latch", "in", "out")]
     return pins + [(item["pin"], "input of the registers' edges of " + item["inputs"]) for item in config["edges"]]

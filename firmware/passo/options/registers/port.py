@@ -108,6 +108,7 @@ class ShiftRegisters:
             self._watch.look()
 
     def close(self):
+        """Show the outputs for the last time."""
         self.exchange()
 
     def show_tool(self, number):
@@ -231,4 +232,5 @@ def first_levels(board):
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return ShiftRegisters(board["registers"], first_levels(board))

@@ -63,4 +63,5 @@ class SioRegisters(ShiftRegisters):
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return SioRegisters(board["registers"], first_levels(board))

@@ -27,9 +27,11 @@ class Queue(StreamQueue):
         StreamQueue.set_origin(self, axes & ~(1 << self._last) if axes < 0 and self._endless else axes)
 
     def go(self, target, nm_s, ticks, tool, tag):
+        """Queue a line to `target` at F of the linear axes; see the base."""
         StreamQueue.go(self, target, self._speed_along(self.deltas(target), nm_s), ticks, tool, tag)
 
     def fits(self, deltas, nm_s, ticks):
+        """Raise ValueError if the planner would refuse the line."""
         StreamQueue.fits(self, deltas, self._speed_along(deltas, nm_s), ticks)
 
     def look(self, played=None):

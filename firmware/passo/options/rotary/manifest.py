@@ -10,6 +10,7 @@ RULES = {
 
 
 def check(board):
+    """Check axes and links; add the queue. Raises BoardError."""
     board["additions"].queue = "passo.options.rotary.control"
     if "".join([axis["name"] for axis in board["axes"]]) != "xyza":
         raise BoardError("rotary: axes x, y, z, a are wanted")

@@ -16,10 +16,12 @@ RULES = {
 
 
 def claims(board):
+    """Return the servo's pin: [(pin, who)]."""
     return [(board["servo"]["pin"], "servo pin")]
 
 
 def check(board):
+    """Check that tool.on_ms and tool.off_ms last as long as the servo; add the feature. Raises BoardError."""
     config = board["servo"]
     for way, wait in (("down_ms", "on_ms"), ("up_ms", "off_ms")):
         least = config[way] + 20  # until the next pulse

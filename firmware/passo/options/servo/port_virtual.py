@@ -12,4 +12,5 @@ class Servo:
 
 
 def create(port, config):
+    """Return the Servo."""
     return Servo(port, config[1])

@@ -65,6 +65,7 @@ def prepare(board):
 
 
 def claims(board):
+    """Return the pins of the register, and the outputs on it: [(pin, who)]."""
     section = board["shift"]
     pins = [(section[key], "shift.%s" % key) for key in ("clock", "latch", "data")]
     pins += [(item["pin"], "output %s" % item["name"]) for item in board["outputs"] if has_bit(item["pin"])]

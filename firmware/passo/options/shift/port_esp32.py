@@ -57,4 +57,5 @@ class ShiftPin:
 
 
 def create(board, port, inputs, outputs):
+    """Return the port's part."""
     return ShiftBank(board)

@@ -30,12 +30,14 @@ RULES = {
 
 
 def claims(board):
+    """Return the pins of the SPI, and each CS: [(pin, who)]."""
     config = board["spi_drivers"]
     pins = [(config[key], "spi_drivers " + key) for key in ("sck", "tx", "rx")]
     return pins + [(pin, "spi_drivers cs") for pin in sorted({motor["cs"] for motor in config["motors"]})]
 
 
 def check(board):
+    """Check drivers and stall homing; add the features. Raises BoardError."""
     config = board["spi_drivers"]
     if board.get("drivers"):
         raise BoardError("spi_drivers: not beside drivers, which are on a UART")

@@ -10,6 +10,7 @@ _HZ = 1_000_000  # a driver takes 4 MHz
 
 
 def create(port, inputs, config):
+    """Return the SpiLine."""
     return SpiLine(config)
 
 

@@ -29,6 +29,7 @@ def rewrite(board):
 
 
 def check(board):
+    """Check steps/m, the interval and the port's bits; add the feature, $181 and $182. Raises BoardError."""
     for axis in board["axes"]:
         if axis["steps_per_m"] < 100:
             raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])

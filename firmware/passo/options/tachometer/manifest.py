@@ -15,6 +15,7 @@ RULES = {
 
 
 def check(board):
+    """Check the input and the rate of its pulses; add the feature. Raises BoardError."""
     config = board["tachometer"]
     name = config["input"]
     want_input(board, "tachometer.input", name)

@@ -18,6 +18,7 @@ _LEAST_US = const(50)
 
 
 def create(port, inputs, name):
+    """Return the PinPulses of an input."""
     return PinPulses(inputs[name], port)
 
 

@@ -16,4 +16,5 @@ class Pulses:
 
 
 def create(port, name):
+    """Return the Pulses."""
     return Pulses(port)

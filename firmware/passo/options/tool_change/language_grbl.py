@@ -33,6 +33,7 @@ _SEEK = const(344)
 
 
 def extend(protocol, board):
+    """Let M6 change tools, in place of a pause."""
     protocol.gcode.changer = ToolChange(board)
 
 

@@ -14,6 +14,7 @@ RULES = {
 
 
 def check(board):
+    """Check axes, probe and the two positions, whole mm; add the language's part and $341 to $344. Raises BoardError."""
     config = board["tool_change"]
     if len(board["axes"]) < 3 or not board["homing"] or "z" not in board["homing"]["sensors"]:
         raise BoardError("tool_change: it wants axes x, y, z that home")

@@ -64,9 +64,11 @@ class Weaving(Program):
     # --- the motion of a program, as seams
 
     def open(self, batch):
+        """Open a batch, unless its lines are seams; see Program."""
         return self._spec is None and Program.open(self, batch)
 
     def _row(self, command):
+        """Take a line as a row of a batch, unless it is a seam; see Program."""
         return self._spec is None and Program._row(self, command)
 
     def _reachable(self, command):
@@ -86,6 +88,7 @@ class Weaving(Program):
         return True
 
     def _queue_otherwise(self, command, ticks):
+        """Return True, and queue the seam, if the command is one."""
         if self._spec is None or not command.feed or ticks or command.kind not in (commands.LINE, commands.ARC):
             return False
         self._queue.follow(self._make_woven(command), command)

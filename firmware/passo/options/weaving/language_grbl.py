@@ -6,6 +6,7 @@ from passo.protocols.gcode.words import X
 
 
 def extend(protocol, board):
+    """Add `$WEAVE=` to a link's protocol."""
     protocol.system.learn_lines("$WEAVE=", lambda machine, text: weave_commands(protocol.gcode.words, text))
 
 

@@ -7,6 +7,7 @@ RULES = {
 
 
 def check(board):
+    """Add the feature, and `$WEAVE=` to grbl."""
     board["additions"].features["program"] = "passo.options.weaving.control", "Weaving"
     if "grbl" in [link["protocol"] for link in board["links"]]:
         board["additions"].languages.append("passo.options.weaving.language_grbl")

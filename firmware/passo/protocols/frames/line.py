@@ -143,6 +143,7 @@ class FramedLine:
             self._send_answers()
 
     def close(self):
+        """Close the line below."""
         self._serial.close()
 
     # --- until a host asks for frames

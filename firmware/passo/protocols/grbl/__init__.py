@@ -16,6 +16,7 @@ def _axis_names(board):
 
 
 def check(board):
+    """Return None, or the reason why the board cannot speak grbl."""
     if board["homing"] and board["homing"]["latch"]:
         from passo.protocols.grbl import homing  # noqa: F401
     axes = _axis_names(board)
@@ -23,6 +24,7 @@ def check(board):
 
 
 def create(link, number, board, controller, shared, most):
+    """Return the Grbl of a link. Links share their work offsets by `shared`; `most`: lines of a batch."""
     machine = controller.machine
     axes = _axis_names(board)
     if "offsets" not in shared:

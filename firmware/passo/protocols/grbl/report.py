@@ -27,7 +27,7 @@ _STATES = {
     "idle": b"Idle", "run": b"Run", "hold": b"Hold:", "jog": b"Jog", "alarm": b"Alarm",
     "door": b"Door:", "check": b"Check", "home": b"Home", "sleep": b"Sleep",
 }  # fmt: skip
-# Numbers of the array that tell() takes, from 1, as it wants them.
+# Numbers of the array that write_form() takes, from 1, as it wants them.
 _BUFFERS = bytes((REPORT_BLOCKS // NUMBER_FIELDS + 1, 44, REPORT_ROOM // NUMBER_FIELDS + 1))
 _LINE = bytes((REPORT_LINE // NUMBER_FIELDS + 1,))
 _SPEEDS = bytes((REPORT_SPEED // NUMBER_FIELDS + 1, 44, REPORT_RPM // NUMBER_FIELDS + 1, 0))

@@ -17,6 +17,7 @@ def settings(board, table):
 
 
 def create(link, number, board, controller, shared, most):
+    """Return the Plotter of a link."""
     sign = 1 if board["jog"]["up"][1] == "+" else -1
     jog_up = (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0)
     plotter = Plotter(link["idle_gap_ms"], jog_up, Points(number))

@@ -11,6 +11,7 @@ _LEAST_STEPS_M = 100  # as the manifest of step_program has it
 
 
 def check(board):
+    """Return None, or the reason why the board cannot speak pulses."""
     return None if board.get("step_program") else "pulses wants the section step_program"
 
 
@@ -22,6 +23,7 @@ def settings(board, table):
 
 
 def create(link, number, board, controller, shared, most):
+    """Return the Pulses of a link."""
     pulses = Pulses("".join([axis["name"] for axis in board["axes"]]), board["step_program"])
     teach_lines(Words.words_of(pulses))
     return extend_language(pulses, board, "pulses")

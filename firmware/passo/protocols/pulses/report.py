@@ -26,9 +26,9 @@ def port_byte(step, tool, drives, config):
 def status(report, config):
     """Return the line that answers {?}: `<state:run at:34 of:100 pass:1/5 going:+ speed:1000.2 wait:0 place:1,2,3 …>`.
 
-        at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a period make it; wait: ms to
-    go; place: steps; manual: units of manual moves; port: the port's image in hex, its directions those of the step being made; ask: 1 if the
-    operator's speed is wanted; ours: 0 while another controller has the motors. Behind these the words of commands.STATUS_WORDS."""
+    at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a period make it; wait:
+    ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its directions those of the step being made; ask: 1 if
+    the operator's speed is wanted; ours: 0 while another controller has the motors. Behind these the words of commands.STATUS_WORDS."""
     program = report["step_program"]
     speed = program["speed"]
     fields = (

@@ -8,6 +8,7 @@ OPTIONS = {"independent": ("passo.options.independent.control", "Independent")}
 
 
 def check(board):
+    """Return None, or the reason why the board cannot speak torch."""
     return None if len(board["axes"]) > 1 else "torch wants two axes"
 
 
@@ -22,6 +23,7 @@ def settings(board, table):
 
 
 def create(link, number, board, controller, shared, most):
+    """Return the Torch of a link, or the Forms of one on http."""
     if link["port"] == "http":
         from passo.protocols.torch.forms import Forms  # here: few boards have a radio
 
