@@ -1,4 +1,4 @@
-"""The queue of a machine with lost motion (motion/backlash.py): positions are the axes', what the feeder counts the motors'.
+"""The queue of a machine with lost motion (motion.py): positions are the axes', what the feeder counts the motors'.
 
 Commands, travel, homing, halts and reports do not know of the play. A machine stopped while it takes up play knows where its axes are, and
 the next block takes up the rest.

@@ -1,4 +1,4 @@
-"""A black box (control/blackbox.py) in memory after a reset: watchdog and reset button leave it, a power cut does not."""
+"""A black box (control.py) in memory after a reset: watchdog and reset button leave it, a power cut does not."""
 
 import sys
 from struct import pack

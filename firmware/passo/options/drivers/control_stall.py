@@ -2,7 +2,7 @@
 
 All are set up anew, and read back, as homing begins and as it ends, however it does; nothing moves in between. A driver compares
 SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below. Before it has a threshold the pin
-is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves. So with drivers on SPI: stall_spi_drives.py.
+is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves. So with drivers on SPI: spi_drivers/control_stall.py.
 """
 
 from micropython import const

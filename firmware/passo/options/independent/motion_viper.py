@@ -2,7 +2,7 @@
 
     count = walk(words, at, room, bits, state, made)
 
-The method stands in independent.py, the fields of `state` in records.py. One text for all interpreters; see block_viper.py. No integer
+The method stands in motion.py, the fields of `state` in records.py. One text for all interpreters; see block_viper.py. No integer
 reaches 2³⁰.
 """
 

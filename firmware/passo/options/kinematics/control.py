@@ -1,4 +1,4 @@
-"""The queue of a machine whose motors are not its axes (motion/mapped.py): positions are the axes', what the feeder counts the motors'.
+"""The queue of a machine whose motors are not its axes (motion.py): positions are the axes', what the feeder counts the motors'.
 
 Commands, travel, homing and reports are in steps of the axes, as everywhere. A machine stopped amid a step of an axis is reported at
 the step below; the next block makes up for it.

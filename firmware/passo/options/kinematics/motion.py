@@ -1,6 +1,6 @@
 """The planner of a machine whose motors are not its axes: blocks come in steps of the axes, and are made in those of the motors.
 
-    planner = motion.Planner(2, board)      # by a module of MAPS, as corexy.py says
+    planner = motion.Planner(2, board)      # by a module of MAPS, as motion_corexy.py says
     planner.line((400, 30), …)              # as of a Planner
     planner.stand_at(motors)                # where the motors stand, whenever the machine has been stopped amid a block
 

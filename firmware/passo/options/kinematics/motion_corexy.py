@@ -3,7 +3,7 @@
     a = x + y      x = (a + b) / 2           b ╲   ╱ a     motor a turns: the head goes along x = y
     b = x − y      y = (a − b) / 2              ╲ ╱        motor b turns: along x = −y
 
-Any module here with these names is a machine's kinematics, by its name in the board file; mapped.py asks it, and nobody else:
+Any module here with these names is a machine's kinematics, by its name in the board file; only motion.py asks it:
 
     to_motors(axes, into) steps of the motors at a position in steps of the axes; from where the machine was switched on
     to_axes(motors, into) the other way round; amid a step the nearest below. `into` may be `motors`

@@ -1,9 +1,9 @@
-"""TMC2130 and TMC5160 drivers on SPI, with a CS each or in chains: set up and read back at the start, watched from then on, as drives.py has it.
+"""TMC2130 and TMC5160 drivers on SPI, with a CS each or in chains: set up and read back at the start, watched from then on, as drivers/control.py has it.
 
     "spi_drivers": {"chip": "tmc5160", "sck": 10, "tx": 11, "rx": 12, "sense_mohm": 75, "motors": [{"axis": "x", "cs": 13, "current_ma": 1500}]}
 
 SPI has no checksum: so every read is followed by the chip's version, which a wire that is off does not say, and every write has to come back as it
-was. Alarms are those of drives.py. A cycle of the main loop asks one driver, 1 ms.
+was. Alarms are those of drivers/control.py. A cycle of the main loop asks one driver, 1 ms.
 """
 
 from micropython import const

@@ -1,4 +1,4 @@
-"""TMC2130 and TMC5160 drivers, some of which feel where their axis ends: as stall_drives.py has it, by stallGuard2.
+"""TMC2130 and TMC5160 drivers, some of which feel where their axis ends: as drivers/control_stall.py has it, by stallGuard2.
 
 While the machine homes a motor that feels has spreadCycle, less current, and in COOLCONF the SGT at which SG_RESULT is 0 as it stalls; the driver
 says so on DIAG0 and DIAG1, either of which may be wired. Both are push-pull from the start, so that the pin is low without a stall.
