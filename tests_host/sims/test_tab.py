@@ -143,26 +143,26 @@ def test_a_plotter_refuses_what_is_no_packet_and_stops():
 
 def test_jobs_of_a_tab():
     kept = Jobs({"a.gcode": JOB}, "grbl")
-    assert kept.lines("a.gcode")[:3] == [(1, b"N1G21G90G94"), (2, b"N2G0X2"), (3, b"N3G1Y1.5Z-1F1200")]
-    assert kept.lines("b.gcode") == kept.remove("b.gcode") == kept.text("b.gcode", 0) == errors.NO_SUCH_JOB
+    assert kept.lines_of("a.gcode")[:3] == [(1, b"N1G21G90G94"), (2, b"N2G0X2"), (3, b"N3G1Y1.5Z-1F1200")]
+    assert kept.lines_of("b.gcode") == kept.remove_job("b.gcode") == kept.text_piece("b.gcode", 0) == errors.NO_SUCH_JOB
     for name in ("../x", "", "a" * 61, ".x", "x.", "ü", "a/b"):
-        assert kept.put(name, "") == errors.JOB_NAME, name
-    assert kept.add("c", 0, "G0", False) == 0
-    assert kept.add("c", 1, "X1", True) == errors.JOB_PIECE
-    assert kept.add("c", 2, " X1\n", True) == 0
-    assert kept.text("c", 3) == ("X1\n", 6)
-    assert kept.put("d", "x" * 8_000_001) == errors.JOB_SIZE
-    assert kept.put("d", " \n") == kept.put("photo.png", "\x89PNG\0") == kept.add("e", 0, "", True) == errors.NOT_A_JOB
-    assert [name for name, _ in kept.names()] == ["a.gcode", "c"]
-    assert Jobs({"noise": "G0 X1\x11(!\x18?~ü)\r\n%\r\n"}, "grbl").lines("noise") == [(1, b"N1G0X1")]
-    assert Jobs({"noise": "G0\nX1!"}, "grbl").lines("noise") == {"error": errors.JOB_LINE, "line": 2, "text": ""}
-    assert Jobs({"n": "N7 G0 X1\nG0 X2\n"}, "grbl").lines("n") == [(1, b"N1G0X1"), (2, b"N2G0X2")]
+        assert kept.put_job(name, "") == errors.JOB_NAME, name
+    assert kept.add_piece("c", 0, "G0", False) == 0
+    assert kept.add_piece("c", 1, "X1", True) == errors.JOB_PIECE
+    assert kept.add_piece("c", 2, " X1\n", True) == 0
+    assert kept.text_piece("c", 3) == ("X1\n", 6)
+    assert kept.put_job("d", "x" * 8_000_001) == errors.JOB_SIZE
+    assert kept.put_job("d", " \n") == kept.put_job("photo.png", "\x89PNG\0") == kept.add_piece("e", 0, "", True) == errors.NOT_A_JOB
+    assert [name for name, _ in kept.job_names()] == ["a.gcode", "c"]
+    assert Jobs({"noise": "G0 X1\x11(!\x18?~ü)\r\n%\r\n"}, "grbl").lines_of("noise") == [(1, b"N1G0X1")]
+    assert Jobs({"noise": "G0\nX1!"}, "grbl").lines_of("noise") == {"error": errors.JOB_LINE, "line": 2, "text": ""}
+    assert Jobs({"n": "N7 G0 X1\nG0 X2\n"}, "grbl").lines_of("n") == [(1, b"N1G0X1"), (2, b"N2G0X2")]
 
 
 def test_every_order_for_jobs_is_known_in_a_tab():
     """A tab's jobs have what a PC's page asks of its folder."""
     from host_tools.panel.store import Store
 
-    asked = {"about", "add", "lines", "names", "put", "remove", "text"}
+    asked = {"add_piece", "facts_of", "job_names", "lines_of", "put_job", "remove_job", "text_piece"}
     assert asked <= set(dir(Store)) and asked <= set(dir(Jobs))
-    assert Jobs({"part.gcode": "G0X1"}, "grbl").about("part.gcode", {}) == {}
+    assert Jobs({"part.gcode": "G0X1"}, "grbl").facts_of("part.gcode", {}) == {}

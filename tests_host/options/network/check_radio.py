@@ -95,7 +95,7 @@ def check_an_access_point():
         if chip == "rp2040":
             assert wlan.done[0] == wanted, "it is never open, not for a moment"
         wlan.address = "192.168.4.1"
-        assert started.radio.is_own_peer("192.168.4.7") and not started.radio.own("192.168.1.7") and not started.radio.own("10.192.168.4")
+        assert started.radio.is_own_peer("192.168.4.7") and not started.radio.is_own_peer("192.168.1.7") and not started.radio.is_own_peer("10.192.168.4")
         for name, known in ((b"passo", True), (b"passo.local", True), (b"192.168.4.1", True), (b"192.168.4.2", False), (b"evil.example", False)):
             assert (name in started.radio.names) == known, name
         assert started.radio.key == ACCESS["key"]
