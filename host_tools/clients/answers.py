@@ -13,7 +13,7 @@ def is_complete(text):
 
 
 def answer_of(text):
-    """(number of the error, lines told) of a complete answer."""
+    """(number of the error, 0: ok; the lines before it) of a complete answer."""
     lines = text[:-1].split("\n")
     last = lines.pop()
     return 0 if last == "ok" else int(last[6:]), lines

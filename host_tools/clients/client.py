@@ -55,5 +55,5 @@ class Client:
             self._log.write(f"{time.time():.3f} {arrow} {self._log_text(data)}\n")
 
     def _log_text(self, data):
-        """Bytes as the log has them."""
+        """The text of bytes in the log."""
         return repr(data)

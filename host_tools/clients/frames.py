@@ -38,9 +38,9 @@ _ENDED = re.compile(rb"(?:^|\n)(ok|error:\d+)\r?\n")
 
 
 def offer_frames(port, wait_s=OFFER_S, text=False, patient=False):
-    """`port`, an open pyserial port, or a FramedPort on it if the board answers HELLO within `wait_s`. `text`: the link's language has
-    lines, each of which is answered by one; then a board without frames is found out at once, unless `patient`: on a bad wire one that has
-    them may miss the first HELLO."""
+    """Return a FramedPort on the open pyserial port `port` if the board answers HELLO within `wait_s`, else `port`. `text`: the link's
+    language has lines, each answered by one, so a board without frames shows at once. `patient`: wait all the same, because on a bad wire a
+    board with frames may miss the first HELLO."""
     opened = framed = FramedPort(port)
     if not framed.begin(wait_s, text and not patient):
         port.timeout = framed.timeout

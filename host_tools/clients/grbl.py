@@ -56,7 +56,7 @@ class GrblClient(Client):
         return self.framed
 
     def read_lines(self):
-        """Whole lines received; notes status, alarms and banners."""
+        """Return the whole lines received since the last call; waits a little for bytes. Notes status, alarms and banners."""
         self._buffer += self._read_bytes()
         *whole, self._buffer = self._buffer.split(b"\n")
         if whole:
@@ -118,7 +118,8 @@ class GrblClient(Client):
             raise Refused("{}: the machine is at work ({}) for somebody else. Let it end, or stop it first", self.port, state)
 
     def _first_status(self):
-        """A report of a board that may just be starting, or has the beginning of a line of somebody else's."""
+        """Ask for a report until one comes, and return its fields. The board may just be starting, or hold the beginning of another program's line.
+        Raises LinkError after `timeout_s`."""
         self.status = {}
         said = []
         deadline = time.monotonic() + self.timeout_s
@@ -186,11 +187,11 @@ class GrblClient(Client):
     ask = command  # as the clients of all languages have it
 
     def home(self):
-        """Home the machine, which takes its time."""
+        """Home the machine and wait until it is done, HOME_S at most. Raises Refused or LinkError."""
         self.command("$H", HOME_S)
 
     def ask_status(self):
-        """The fields of a fresh report."""
+        """Ask for a report, and return its fields. Raises LinkError after `timeout_s`."""
         self.status = {}
         self.real_time(b"?")
         deadline = time.monotonic() + self.timeout_s
@@ -249,7 +250,7 @@ class GrblClient(Client):
         return not known or known + len(line) + 1 <= (_FRAMED_BYTES if self.framed else self.window)
 
     def halt(self):
-        """Stop on the path and drop everything that is queued; the position is kept."""
+        """Hold the machine on its path, wait until it stands, and reset the controller, which drops all queued lines and keeps the position."""
         self.real_time(b"!")
         deadline = time.monotonic() + self.timeout_s
         while time.monotonic() < deadline and self.ask_status()["state"] not in ("Hold:0", "Idle", "Alarm", "Check"):
@@ -257,7 +258,7 @@ class GrblClient(Client):
         self.reset()
 
     def wait_idle(self, idle=None):
-        """Wait until nothing moves."""
+        """Wait until the machine stands; calls `idle()` meanwhile. Raises Refused in an alarm, or if another program speaks on the port."""
         while self.ask_status()["state"] not in ("Idle", "Check", "Sleep"):
             if self.alarm is not None or self.status["state"] == "Alarm":
                 raise Refused("alarm {}: {}", self.alarm, alarm_text(self.alarm or 0))

@@ -51,7 +51,7 @@ class Wire:
         return not self._under_way or self._bytes + length + 1 <= self.window
 
     def count_lines(self, owner):
-        """How many lines of `owner` are under way."""
+        """The number of lines of `owner` under way."""
         return len([each for each in self._under_way if each[0] == owner])
 
     def send_line(self, owner, line, answered=None):
@@ -89,7 +89,7 @@ class Wire:
         """Do nothing: the board may still answer the lines under way."""
 
     def oldest_line(self):
-        """The line that is answered next, b"" if there is none."""
+        """The line under way that is answered next, bytes; b"": there is none."""
         return self._under_way[0][1] if self._under_way else b""
 
     def feed(self, data, now_ms):
@@ -137,7 +137,7 @@ class Wire:
 
 
 def whole_lines(data):
-    """(texts of the lines in `data` that are whole and not empty, what is left of the next one). Noise is left out."""
+    """(texts of the lines in `data` that are whole and not empty, bytes of the next line). Leaves out bytes that are not printable."""
     rows = data.split(b"\n")
     rest = rows.pop()
     lines = ["".join([chr(byte) for byte in row if 32 <= byte < 127]) for row in rows]
@@ -161,12 +161,13 @@ def dwell_ms(line):
 
 
 def number_line(number, line):
-    """`line` with its number in the file as N word, which reports then show. One that begins with no letter stays, for the number would become another."""
+    """Return `line` with its number in the file as N word, which reports then show. A line that does not begin with a letter, or has no room for the
+    word, stays as it is."""
     return line if not line[:1].isalpha() or len(line) > longest_line(line) - _NUMBER or number > _MOST_NUMBER else b"N%d%s" % (number, line)
 
 
 def fields_of(report):
-    """{"state": …, "MPos": …} of a `<…>` line."""
+    """The fields of a report line `<…>`, {"state": …, "MPos": …} as texts. Raises ValueError if it is none."""
     fields = report[1:-1].split("|")
     found = {"state": fields[0]}
     for field in fields[1:]:

@@ -33,12 +33,12 @@ class KeysWire:
         return self._line is None and self._answers
 
     def send_command(self, command):
-        """A line about settings: keys are written as they are."""
+        """Send a line about settings; its event follows at the machine. Keys are written as they are."""
         self._line, self._text, self._overtaken = command, "", 0
         self.write(line_of(setting_line(command)))
 
     def feed(self, data, now_ms):
-        """Take bytes of the board: an answer is WHY and the number of its last refusal."""
+        """Take bytes of the board: WHY and the number of its last refusal, or letters of the answer to a line."""
         self._buffer += bytes(data)
         while self._buffer:
             first = self._buffer[0]
@@ -58,7 +58,7 @@ class KeysWire:
                     self._end_line(*answer_of(self._text))
 
     def _end_line(self, error, told=None):
-        """The line under way is done with."""
+        """End the line under way with an event: REFUSED if `error`, else ACCEPTED with the lines `told`."""
         line, self._line = self._line, None
         if line:
             self._machine.take_answer(Event(REFUSED if error else ACCEPTED, line, error, told))

@@ -14,7 +14,7 @@ def make_key(random):
 
 
 def in_groups(key):
-    """The key as people read it: groups of four."""
+    """The key in groups of four letters, "ABCD-EFGH-…", as people read it."""
     return "-".join([key[at : at + 4] for at in range(0, len(key), 4)])
 
 

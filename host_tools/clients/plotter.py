@@ -86,7 +86,7 @@ class PlotterClient:
         self._deliver_packet("SPEED", "SPEED_OK", value)
 
     def hand_over(self, number=0):
-        """Link `number` of the board file commands from now on; 0: this one. Raises Refused while the machine moves."""
+        """Hand the command to link `number` of the board file; 0: this one. Raises Refused while the machine moves."""
         self._deliver_packet("LINK", "LINK_OK", number)
 
     def point(self, pen_down, x, y):
@@ -109,7 +109,7 @@ class PlotterClient:
     home = origin  # as the clients of all languages have it
 
     def jog(self, name):
-        """One jog: UP, LEFT, DOWN or RIGHT."""
+        """Make one jog; `name`: UP, LEFT, DOWN or RIGHT. Raises Refused, LinkError, or ValueError for another name."""
         if name not in _JOG_NAMES:
             raise ValueError(name)
         before = self.status()
@@ -152,7 +152,7 @@ class PlotterClient:
         return told
 
     def status(self):
-        """The fields of a STATUS answer. Reading clears the controller's error."""
+        """Ask STATUS, and return its fields, a dict. Reading clears the controller's error. Raises LinkError."""
         return self._ask_status("STATUS")[0]
 
     def stop(self):
@@ -206,11 +206,12 @@ class PlotterClient:
         raise LinkError("{} was not understood in {} attempts: the line is too noisy", name, ATTEMPTS)
 
     def _holds_back(self, name, status):
-        """True while the controller holds NEXT back because its memory is full: it draws, and there will be room."""
+        """True while the controller holds NEXT back because its memory is full: it draws, and will have room again."""
         return name in ("LINE", "MOVE") and status["free"] == 0 and status["state"] != "alarm"
 
     def _perform_packet(self, name, expected_name, finished, progress):
-        """Send a packet that is answered when it has been carried out, and wait for that."""
+        """Send a packet that is answered once it has been carried out, and wait for the answer. `finished(status)`: True if it has been carried out,
+        though its answer got lost. Raises Refused or LinkError."""
         expected = ANSWER[expected_name]
         self._send_named(name)
         idle = attempts = 0
@@ -284,7 +285,7 @@ class PlotterClient:
         raise LinkError("the controller on {} answers {} but not STATUS", self._wire.port, plotter.ANSWERS[heard])
 
     def _next_event(self, timeout_s):
-        """wire.event in slices, so that cancel() is noticed."""
+        """The next event of the wire, waited for in slices of 0.2 s so that cancel() is noticed. Raises Cancelled."""
         deadline = time.monotonic() + timeout_s
         while True:
             if self._cancelled:

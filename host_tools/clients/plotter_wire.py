@@ -77,7 +77,7 @@ class PlotterWire:
             self._text = ""
 
     def _end_command(self, error, told=None):
-        """The packet under way is done with."""
+        """End the packet under way with an event: REFUSED if `error`, else ACCEPTED with the lines `told`."""
         command, self._command = self._command, None
         self._text = None
         self._machine.take_answer(Event(REFUSED if error else ACCEPTED, command, error, told))
@@ -146,7 +146,7 @@ class PlotterWire:
         self._machine.report(status)
 
     def _judge_packet(self, name, error, free):
-        """Take from a STATUS whether the packet under way, which has no answer, was refused, held back, done, or lost."""
+        """Decide from the fields of a STATUS whether the packet under way was refused, is held back, or got lost and must be sent again."""
         kind = self._command.kind
         refused = error if error == errors.STOPPED or error not in PlotterPage.untold else 0
         if refused or name == "alarm" and kind not in (commands.HOME, commands.STOP):

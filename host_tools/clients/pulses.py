@@ -78,8 +78,8 @@ class PulsesClient(Client):
         return self._await_answer(lambda line: line == "ok", " ".join(map(str, words)))
 
     def ask(self, line, timeout_s=TIMEOUT_S):
-        """A line about settings, stored jobs or the journal, `$100`, `$F` or `$JR`: the lines before its ok. Raises Refused. An error with a line and
-        column is of codes that came before."""
+        """Send a line about settings, stored jobs or the journal, `$100`, `$F` or `$JR`; returns the lines before its ok. Raises Refused.
+        Ignores errors with a line and column, which are of earlier codes."""
         kept, self.said = self.said, []
         self.send(frame(line))
         answer = self._await_answer(lambda heard: heard == "ok", line, timeout_s, None, False)
@@ -90,12 +90,12 @@ class PulsesClient(Client):
         return told
 
     def home(self):
-        """Home the machine, which takes its time. Raises Failure."""
+        """Home the machine and wait until it is done, HOME_S at most. Raises Failure."""
         self.send(frame("home"))
         self._await_answer(lambda line: line == "ok", "home", HOME_S)
 
     def status(self):
-        """The fields of the status line, as texts."""
+        """Ask for the status, and return its fields, {name: text}. Raises Failure."""
         self.send(frame("?"))
         return status_from(self._await_answer(lambda line: line.startswith("<"), "?"))
 
@@ -161,7 +161,7 @@ class PulsesClient(Client):
         return check_board
 
     def _check_plays(self):
-        """A stream that stands may be paused; if the machine is idle, or in alarm, nothing of it is played any more."""
+        """Raise Failure if the machine is idle or in alarm: it plays no more of the stream. A stream that stands may only be paused."""
         state = self.status()["state"]
         if state in ("idle", "alarm"):
             raise Failure("the board plays no more of the file: its state is {}", state)

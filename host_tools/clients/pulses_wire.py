@@ -37,7 +37,7 @@ def brace_in(data):
 
 
 def words_of(command, axes):
-    """The control command's words of a Command."""
+    """The words of LPTControl's control command for a Command, a tuple or list. `axes`: their letters, "xyz"."""
     if command.kind == commands.CONNECT:
         return "motors", "on" if command.value else "off"
     if command.kind == commands.SETTING:
@@ -86,7 +86,7 @@ class PulsesWire:
         self.credit = 0  # bytes of a file that may be sent
 
     def waits_for(self, verb):
-        """True if a command of that verb is not answered."""
+        """True if a command that begins with `verb` is not answered yet."""
         return bool([1 for words, _ in self._under_way if words[0] == verb])
 
     def can_take(self, command):
@@ -106,7 +106,7 @@ class PulsesWire:
         self.send_control(_ASK, None)
 
     def send_control(self, words, answered):
-        """Send a control command, if few are under way."""
+        """Send a control command if fewer than _MOST are under way; answered(error) follows. Returns True if it was sent."""
         return len(self._under_way) < _MOST and self._send_words(words, answered)
 
     def _send_words(self, words, answered):
@@ -117,13 +117,13 @@ class PulsesWire:
     # --- a file
 
     def begin_file(self):
-        """{load} or {stream} has been answered: bytes of a file may follow."""
+        """Begin to send a file, behind the answer to {load} or {stream}: WINDOW bytes may follow."""
         self.credit = WINDOW
         self._failed = False
         self._write(b"\n")
 
     def send(self, data):
-        """Bytes of the file, `credit` at most."""
+        """Send bytes of the file, `credit` at most."""
         self.credit -= len(data)
         self._write(data)
 
@@ -177,7 +177,7 @@ class PulsesWire:
         return self._under_way[0][0] if self._under_way else None
 
     def _of_the_file(self):
-        """True if no command waits that an error may be about."""
+        """True if an error is about the file: no command but a question waits for an answer."""
         return not [1 for words, _ in self._under_way if words != _ASK]
 
     def _take_answer(self, error, line):

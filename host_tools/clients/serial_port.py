@@ -34,8 +34,9 @@ def port_error(port, error):
 
 
 def open_link(port, baud, slice_s, text):
-    """As open_exclusively(), without old input; a FramedPort if the board has frames. It is asked if the language is of lines, each answered
-    by one (`text`), or if `frames` says so; then for longer, as the wire may be bad."""
+    """Open a port as open_exclusively() does, drop old input, and return a FramedPort if the board has frames. The board is asked for frames if its
+    language has lines, each answered by one (`text`), or if `frames` is set; then it is asked for longer, because the wire may be bad. Raises
+    LinkError."""
     from host_tools.clients.frames import SURE_S, offer_frames
 
     opened = open_exclusively(port, baud, slice_s)
@@ -94,7 +95,7 @@ def _keep_others_out(opened):
 
 
 def _refuse_left_link(port):
-    """Raises LinkError if `port` is the symlink of a virtual board that was killed: its pty may be another board's by now."""
+    """Raise LinkError if `port` is the symlink of a virtual board that was killed: its pty may be another board's by now."""
     path = Path(port)
     lock = path.with_name(f".{path.name}.lock")
     if not path.is_symlink() or not lock.is_file():
@@ -165,7 +166,7 @@ def _users_of(port):
 
 
 def _command_line(process):
-    """The command line of a process, about as a person typed it: without the interpreter and its folders."""
+    """The command line of a process without the interpreter and its folders, 80 letters at most. `process`: its folder in /proc."""
     words = (process / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     words = [word for word in words if word]
     if words and Path(words[0]).name.startswith("python"):

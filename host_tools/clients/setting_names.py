@@ -70,7 +70,7 @@ def rule_of(number, axes):
 
 
 def all_rules(axes):
-    """{number: rule_of(number, axes)} of all settings."""
+    """{number: (name, unit, least, most)} of all settings of a machine with `axes` axes, in order."""
     found = {number: rule_of(number, axes) for number in [*NAMES, *(first + axis for first in AXIS_NAMES for axis in range(axes))]}
     return dict(sorted(found.items()))
 
@@ -93,7 +93,7 @@ def describe_line(line, axes):
 
 
 def describe_lines(lines, axes=0):
-    """The lines of a back-up with their meanings beside them, aligned; `axes`: how many the machine has, 0: as the lines say."""
+    """The lines of a back-up with their meanings beside them, aligned. `axes`: the machine's number of axes, 0: count the lines of steps/mm."""
     axes = axes or sum(1 for line in lines if re.match(r"\$10\d=", line))
     rows = [(line, *describe_line(line, axes)) for line in lines]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]

@@ -43,21 +43,21 @@ def number_of(text):
 
 
 def value_of(name, text):
-    """A value as the board reads it: digits, a point, a sign; "": the board file's. Raises Failure if it is none."""
+    """Return `text` if it is a number as a board reads it (digits, a point, a sign), or "" for the board file's value. Raises Failure if not."""
     if text and not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)", text, re.ASCII):
         raise Failure("{}={}: no number as a board reads it: digits and a point, as in 48.5", name, text)
     return text
 
 
 def open_settings(language, port, baud=None):
-    """The settings of the board at a link that speaks `language`. Raises Failure."""
+    """Open the settings of the board at a link that speaks `language`, for a with statement. `baud` None: the language's own. Raises Failure."""
     if language == "grbl":
         return _Lines(GrblClient(port, baud or BAUD["grbl"]))
     return Asked(CLIENTS[language](port, baud or BAUD[language]))
 
 
 class Asked:
-    """By a client whose ask(line) returns the lines told."""
+    """Settings read and set by a client whose ask(line) returns the lines of the answer."""
 
     of_lines = False  # G-code's: masks, offsets, start-up lines
 
@@ -79,7 +79,7 @@ class Asked:
         return self._ask_value(f"${number}")
 
     def set(self, number, value):
-        """`value`: a number as text; "": as the board file has it. Returns what the board has kept."""
+        """Set a setting. `value`: a number as text, "": the board file's. Returns the value that the board has kept. Raises Refused."""
         return self._ask_value(f"${number}={value}")
 
     def _ask_value(self, line):
@@ -87,7 +87,7 @@ class Asked:
         return told.partition("=")[2]
 
     def command(self, line):
-        """The answer to a line, as a grbl client's, for back-ups; [] if this language does not have the line. Raises Refused."""
+        """Return the lines of the answer to a grbl line, for back-ups; [] if this language does not have the line. Raises Refused."""
         if line == "$$":
             return [f"${number}={self.get(number)}" for number in self.numbers()]
         return self.client.ask(line) if line.startswith("$") and "=" in line else []

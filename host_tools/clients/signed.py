@@ -65,7 +65,7 @@ class Bridge:
             self._line.write(data)
 
     def _prove_bytes(self, data):
-        """A sender's bytes as lines with proofs for the board; real-time bytes of FREE as they are."""
+        """Return a sender's bytes as lines with proofs for the board; the real-time bytes in FREE stay as they are."""
         out = b""
         for byte in data:
             if byte in FREE:

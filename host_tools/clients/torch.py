@@ -53,7 +53,7 @@ class TorchClient(Client):
         return data.hex(" ")
 
     def _next_answer(self, name, seconds):
-        """The fields of the next answer of that name, or None."""
+        """The fields of the next answer `name`, a dict; None if it does not come within `seconds`."""
         deadline = time.monotonic() + seconds
         while True:
             for at, (told, fields) in enumerate(self._said):
@@ -75,14 +75,14 @@ class TorchClient(Client):
         return self._next_answer(name, seconds)
 
     def counts(self, name="INFO"):
-        """(x, y) in steps since the last move or jog, as INFO or STOP is answered."""
+        """(x, y): steps since the last move or jog, from the answer to INFO, or to STOP, which also stops the machine. Raises LinkError."""
         fields = self._ask_board(torch.frame(name), name, self.timeout_s)
         if fields is None:
             raise LinkError("{}: no answer to {}; is it the torch's board, and its speed?", self.port, name)
         return fields["x"], fields["y"]
 
     def status(self):
-        """{state, error, ours, x, y, dropped} of a Passo board; None of any other."""
+        """The status {state, error, ours, x, y, dropped} of a Passo board, x and y in steps; None for any other board. Raises LinkError."""
         if self.ours is False:
             return None
         fields = self._ask_board(torch.passo(torch.STATUS_OF), "PASSO", self.timeout_s if self.ours else _PASSO_S)
@@ -161,7 +161,7 @@ class TorchClient(Client):
             time.sleep(POLL_S)
 
     def _guess_status(self, last):
-        """Wait for a board without a status: it stands when two answers are the same."""
+        """A status for a board that has none: it stands if its step counts are those of the `last` status."""
         x, y = self.counts()
         still = last is not None and (x, y) == (last["x"], last["y"])
         return {"state": "idle" if still else "run", "error": 0, "ours": None, "x": x, "y": y, "dropped": 0}

@@ -44,7 +44,7 @@ def frame_of(command):
 
 
 class Answers:
-    """Cuts what a board says: next_answer() is (name, fields), None if there are no more."""
+    """Cuts the bytes of a board into answers."""
 
     def __init__(self):
         self._cutter = torch.answer_cutter()

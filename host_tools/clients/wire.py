@@ -34,7 +34,7 @@ def packet_name(data):
 
 
 def packet_text(data):
-    """A packet in one line: name, signed bytes, hex."""
+    """A packet as a line of the log: name, signed bytes, hex."""
     text = f"{packet_name(data) or 'BYTES'} {log_text(data)}"
     return f"{text:<35} {data.hex(' ')}"
 
@@ -46,8 +46,8 @@ def answer_text(data):
 
 
 def open_port(port, baud):
-    """Open a port for this program only. Frames are not asked for by itself: controllers older than Passo take any bytes for packets.
-    Raises LinkError."""
+    """Open a port for this program only. Asks for frames only if `passo --frames` is given: controllers older than Passo take any bytes for
+    packets. Raises LinkError."""
     return open_link(port, baud, _SLICE_S, False)
 
 
@@ -95,8 +95,8 @@ class Wire:
             return "torn", data
 
     def next_text(self, timeout_s):
-        """The answer to a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come. A RESEND with bytes
-        behind it answers the rest of another program's packet."""
+        """Return the answer to a packet of WORDS: one byte, or lines of which the last is ok or error; None after `timeout_s`. Skips a RESEND with
+        bytes behind it, which answers the rest of another program's packet."""
         deadline = time.monotonic() + timeout_s
         while True:
             if self._buffer and self._buffer[0] == RESEND:

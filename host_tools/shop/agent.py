@@ -57,7 +57,7 @@ class _Board:
         link.doubled = self._yield_machine
 
     def stop(self):
-        """Somebody at the broker says so, from the thread of the connection; or at the machine. Returns False if no board answers."""
+        """Stop the machine at once, for the broker (in the connection's thread) or the person at the machine. Returns False if no board answers."""
         with self._lock:
             self._machine.stop()
             if self.work:
@@ -66,7 +66,7 @@ class _Board:
             return bool(self._machine.state["link"])
 
     def _yield_machine(self, text):
-        """Another agent speaks for the machine, as `text` says."""
+        """Take no more orders, because another agent speaks for the machine. `text`: a sentence for the person at the machine."""
         with self._lock:
             if self.work:
                 self.work.yield_machine(text)
@@ -150,7 +150,7 @@ class _Board:
         self._log_due = error < 0
 
     def _axis_scale(self, machine):
-        """Steps/mm of each axis; (): not known yet."""
+        """Steps/mm of each axis, a list; empty: not known yet."""
         return [float(machine.settings[number]) for number in range(100, 104) if number in machine.settings] if self._grbl else machine.scale
 
     def _poll_work(self, now_s):
@@ -192,15 +192,15 @@ class Agent:
         return [board.page_row() for board in self._boards if board.work]
 
     def carry_out(self, name, what):
-        """An order of the person at the machine `name`: see Work.act(). Returns "", or a sentence that says why it was refused."""
+        """Carry out an order of the person at the machine `name`, see Work.act(). Returns "", or a sentence that says why it was refused."""
         for board in self._boards:
             if board.name == name and board.work:
                 return board.act(what)
         return _("no machine {} takes jobs here", name)
 
     def stop(self, name=""):
-        """STOP by the person at the machine `name`; "": all machines. The calling thread carries it out. Returns "", or a sentence that names
-        boards without an answer."""
+        """Stop the machine `name`, or all for "", in the calling thread, for the person there. Returns "", or a sentence that names boards without
+        an answer."""
         boards = [board for board in self._boards if name in ("", board.name)]
         silent = [board.name for board in boards if not board.stop()]
         return _("no board answers at {}: use the emergency stop", ", ".join(silent)) if silent or not boards else ""
@@ -213,7 +213,7 @@ class Agent:
             self._selector.unregister(fd)
 
     def run(self, stopped, asked=None):
-        """`asked`: a queue of functions that this thread is to call."""
+        """Serve all boards until stopped() returns True. `asked`: a queue of functions that this thread is to call."""
         while not stopped():
             while asked and not asked.empty():
                 asked.get()()

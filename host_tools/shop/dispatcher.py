@@ -47,7 +47,7 @@ _AWAY = GONE, LOST
 
 
 def job_fits(job, machine):
-    """True if a machine, as it tells of itself, can draw a job."""
+    """True if a machine can draw a job: kind, tool, laser class and area (mm) suit. `machine`: the fields of its message."""
     wants = job.wants
     area, room = wants.get("area") or [0, 0], machine.get("area") or [0, 0]
     return (
@@ -59,7 +59,7 @@ def job_fits(job, machine):
 
 
 def _is_safe(has, most):
-    """True if a laser's class is `most` or a more harmless one. `most` "": any will do; `has` "": nobody has said."""
+    """True if a laser's class `has` is `most` or a more harmless one (IEC 60825-1). `most` "": any will do; `has` "": unknown, never safe."""
     return not most or has in LASER_CLASSES[: LASER_CLASSES.index(most) + 1]
 
 
@@ -148,7 +148,7 @@ class Dispatcher:
     # --- the book
 
     def _do_or_retry(self, what, name):
-        """Do what wants the book: at once, or once it can be written again."""
+        """Do a task on the book at once, or once it can be written again. `what`: _WORD, _QUEUE or _PIECES; `name`: a machine, or a file's sum."""
         if not self._again and self._try_task(what, name):
             return
         self._again.add((what, name))
@@ -157,7 +157,7 @@ class Dispatcher:
             self._trying.start()
 
     def _try_task(self, what, name):
-        """False if the book cannot be written now."""
+        """Do a task on the book. Returns False if the book cannot be written now."""
         try:
             {_WORD: self._compare_book, _QUEUE: self._give_jobs, _PIECES: self._publish_file}[what](name)
         except JobTableError:
@@ -167,7 +167,7 @@ class Dispatcher:
         return True
 
     def _try_again(self):
-        """A thread, as long as the book cannot be written."""
+        """The thread that tries waiting tasks each _AGAIN_S; it ends once all are done."""
         while not self._closed.wait(_AGAIN_S):
             with self._lock:
                 while self._again:
@@ -231,7 +231,7 @@ class Dispatcher:
             self._give_jobs(name)
 
     def end(self, job_id):
-        """End a job whose machine is not reached, for somebody who has looked at it: 0 or an error."""
+        """End a job whose machine is not reached, for somebody who has looked at the machine. Returns 0 or an error."""
         with self._lock:
             job = self._book.job_by_id(job_id)
             if job is None or job.state not in OPEN:
@@ -266,7 +266,7 @@ class Dispatcher:
         self._client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
 
     def _forget_order(self, name, job=None):
-        """The machine has taken its order; with the job's end nobody wants its file, unless another machine does."""
+        """Withdraw an order from the broker: the machine has taken it. `job`: it has ended, so withdraw its file too, unless another has it."""
         if self._ordered.pop(name, None) is not None:
             self._client.publish(f"{ROOT}/{name}/{ORDER}", "", 1, True)
         if job and not self._book.has_open_job(job.sha):

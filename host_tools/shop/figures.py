@@ -64,7 +64,7 @@ class Figures(Collector):
             yield counted
 
     def serve(self, host, port):
-        """Serve them; returns what ends it. Raises Failure if the port is in use."""
+        """Serve the figures over HTTP from a thread; returns the function that ends it. Raises Failure if the port is in use."""
         registry = CollectorRegistry()
         registry.register(self)
         try:

@@ -24,7 +24,7 @@ _SHOWN = (
 
 
 def discovery_messages(prefix, root, name):
-    """{topic: text} of the machine `name`, whose topics begin with `root` and that name."""
+    """The discovery messages of a machine, {topic: JSON}. `prefix`: Home Assistant's own; the machine's topics begin with `root` and `name`."""
     own = f"{root}{name}/"
     identity = "passo_" + "".join(letter if letter.isalnum() or letter in "_-" else "_" for letter in name)
     common = {

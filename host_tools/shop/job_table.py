@@ -78,7 +78,7 @@ class JobTable:
 
     @property
     def trouble(self):
-        """Why the file could not be read or written a moment ago; "": it could."""
+        """The reason why the file could not be read or written in the last _TROUBLE_S; "": it could."""
         why, failed_s = self._failed
         return why if time.monotonic() - failed_s < _TROUBLE_S else ""
 
@@ -114,7 +114,7 @@ class JobTable:
     # --- the queue
 
     def add_jobs(self, data, name, wants, copies=1):
-        """Returns the new jobs' ids. All copies come, or none."""
+        """Queue `copies` jobs of a file, all or none; returns their ids. `data`: its bytes; `wants`: properties that a machine must have."""
         sha = hashlib.sha256(data).hexdigest()
         with self._open_base() as base:
             base.execute("begin immediate")
@@ -138,7 +138,8 @@ class JobTable:
         return ids
 
     def give_job(self, machine, nonce, fits):
-        """The first queued job that fits is the machine's from now on. None: there is none, or the machine has one."""
+        """Give the machine the first queued job for which fits(job), and return it; None: there is none, or the machine has one already. `nonce`: of
+        the machine's release."""
         with self._open_base() as base:
             if self.open_of(machine):
                 return None
@@ -150,7 +151,7 @@ class JobTable:
             return self.job_by_id(job.id)
 
     def note_progress(self, job, state, line, text):
-        """The machine says where a job that it has stands. It will say so again: this does not wait for the disk."""
+        """Write down state, line and text of a job that a machine has. Does not wait for the disk: the machine will say so again."""
         if job.state in OPEN and (job.state, job.line, job.text) != (state, line, text):
             begun = None if state == GIVEN else time.time()
             with self._open_base() as base:
@@ -161,14 +162,14 @@ class JobTable:
                     base.execute("pragma synchronous=full")
 
     def end(self, job, how, line, text):
-        """A short job may be done before its machine could say that it has begun: it begins with its end."""
+        """End a job as `how` at `line` with `text`. A job that is DONE and has no beginning yet, because it was short, begins with its end."""
         if job.state in OPEN:
             now = time.time()
             begun = now if how == DONE else None
             self._change_rows("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?), ended = ? where id = ?", how, line, text, begun, now, job.id)
 
     def reopen_job(self, job_id, machine):
-        """A machine tells of a job that was ended on the page: it was not gone for good, and has it as before."""
+        """Give a job that was ended on the page back to its machine, which has spoken of it again."""
         job = job_id and self.job_by_id(job_id)
         if job and job.state == LEFT and job.machine == machine and not self.open_of(machine):
             self._change_rows("update jobs set state = ?, text = '', ended = null where id = ?", BEGUN if job.begun else GIVEN, job_id)
@@ -190,11 +191,11 @@ class JobTable:
         return bool(self._select_jobs(f"where sha = ? and {_IS_OPEN} limit 1", sha))
 
     def jobs(self, most=500):
-        """Those that are not ended, then the newest others."""
+        """The jobs that have not ended, then the newest others, `most` at most."""
         return self._select_jobs("order by state in ('queued', 'given', 'begun', 'waiting') desc, ended desc, number limit ?", most)
 
     def count_states(self):
-        """{state: how many jobs}"""
+        """{state: number of jobs}"""
         return dict(self._read_rows("select state, count(*) from jobs group by state"))
 
     def times_of_materials(self):

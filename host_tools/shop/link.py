@@ -97,7 +97,7 @@ class Broker(NamedTuple):
         return client
 
     def connect_client(self, client):
-        """Connect it, and again whenever the connection is lost, in a thread of its own."""
+        """Connect `client`, and again whenever the connection is lost, in a thread of its own."""
         client.reconnect_delay_set(*_AGAIN_S)
         client.connect_async(self.host, self.port or (_TLS_PORT if self.ca else _PORT), _KEEP_ALIVE_S)
         client.loop_start()
@@ -130,7 +130,7 @@ class Parcel:
             self._fresh = True
 
     def file_data(self):
-        """All bytes, once; None: they are not all there, or others than the shop has signed, see wrong."""
+        """Return all bytes of the file, once; None: some are missing, or it is not the file that the shop has signed (`wrong`)."""
         if not self._fresh or None in self._pieces:
             return None
         self._fresh = False
@@ -146,8 +146,8 @@ class Parcel:
 
 class Link:
     def __init__(self, broker, name, refused=None, more=None, works=False):
-        """`refused(text)`: hears, from another thread, why there is no connection; `more`: {topic: text}, retained, beside the
-        machine's own topics; `works`: the machine takes jobs of a shop."""
+        """`refused(text)` is called, from another thread, with the reason why there is no connection; `more`: {topic: text}, retained, beside
+        the machine's own topics; `works`: the machine takes jobs of a shop."""
         self._works = works
         self._heard = collections.deque(maxlen=_MOST_WAITING)
         self._more = more or {}
@@ -208,7 +208,7 @@ class Link:
 
     @complain_of_errors
     def _speak_for_machine(self):
-        """Nobody else does."""
+        """Connect in the machine's name: no other agent has answered."""
         with self._lock:
             self._asking = None
             if self._double or self._closing or self._client is not self._listener or not self._client.is_connected():
@@ -219,7 +219,7 @@ class Link:
 
     @complain_of_errors
     def _yield_machine(self):
-        """Another agent speaks for the machine."""
+        """Tell nothing and take no orders any more, because another agent speaks for the machine; still hear STOP."""
         with self._lock:
             if self._double or not self._listener:
                 return
@@ -240,7 +240,7 @@ class Link:
         client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
 
     def _answer_agent(self, asks):
-        """Another agent asks. Of two that ask at the same time one stays."""
+        """Answer another agent's question who speaks for the machine. Of two that ask at the same time, the one with the higher text stays."""
         with self._lock:
             if asks == self._own or self._double:
                 return

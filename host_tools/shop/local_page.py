@@ -90,7 +90,7 @@ def make_app(key, machines, do, stop):
 
 
 def serve(port, key, machines, do, stop):
-    """Serve it from a thread; returns what ends it, and the port. Raises Failure if the port is in use."""
+    """Serve the page from a thread; returns (the function that ends it, port). Raises Failure if the port is in use."""
     app = make_app(key, machines, do, stop)
     loop = asyncio.new_event_loop()
     ready, failed, opened = threading.Event(), [], []

@@ -94,7 +94,7 @@ class Shop:
         return self.finish(answer, answer["error"].work()) if isinstance(answer["error"], SlowOrder) else answer
 
     def begin(self, order, proven, page=None):
-        """The answer; its "error" is a SlowOrder for STOP, which waits for the broker's word: finish() has the answer then."""
+        """The answer to an order, a dict. For STOP, which waits for the broker, its "error" is a SlowOrder, and finish() returns the answer."""
         do = order.get("do") if isinstance(order, dict) else None
         if do == "stop":
             return {"t": "answer", "do": do, "error": SlowOrder(self.dispatcher.stop_all)}
@@ -155,7 +155,7 @@ class Shop:
             self.dispatcher.look()
 
     async def _add_to_book(self, data, name, wants, copies):
-        """Raises JobTableError if the book cannot be written for some seconds."""
+        """Add a file's jobs to the book, in _TRIES attempts. Raises JobTableError if none works."""
         for left in reversed(range(_TRIES)):
             try:
                 return await asyncio.to_thread(self.book.add_jobs, data, name, wants, copies)
@@ -168,7 +168,7 @@ class Shop:
         return 0 if self.book.withdraw_job(text_field(order, "job", 8)) else errors.NO_SUCH_JOB
 
     def _queue_again(self, order, page):
-        """A job that has ended is queued once more, as a new one."""
+        """Queue a job once more, as a new one. Returns 0 or an error."""
         job = self.book.job_by_id(text_field(order, "job", 8))
         if job is None:
             return errors.NO_SUCH_JOB
@@ -177,7 +177,7 @@ class Shop:
         return 0
 
     def _end_job(self, order, page):
-        """A job whose machine is not reached, because it has another name now, or is no more."""
+        """End a job whose machine is not reached: it has another name now, or is no more. Returns 0 or an error."""
         return self.dispatcher.end(text_field(order, "job", 8))
 
     # --- what is shown
@@ -196,7 +196,7 @@ class Shop:
         }  # fmt: skip
 
     def _jobs_adrift(self):
-        """Numbers of jobs that no machine has any more: an order of the page may end them."""
+        """The ids of jobs whose machine is not reached: an order of the page may end them."""
         return [job["id"] for job in self._jobs if job["state"] in OPEN and not is_reached(self.dispatcher.machines.get(job["machine"]))]
 
     def _read_book(self):

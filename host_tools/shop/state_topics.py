@@ -82,8 +82,8 @@ class StateTopics:
         self._add_event("refused", number=number, text=error_text(number))
 
     def note_late(self, count):
-        """So often the board's steps have come late since its start, when the motion paused. Counts those since the last time; a board that has begun
-        anew counts from 0."""
+        """Add to the counters how many words of steps came late since the last call. `count`: those since the board's start; if it is lower than
+        last time, the board has begun anew."""
         if self._late is not None:
             self.counters["late"] += count - self._late if count >= self._late else count
         self._late = count
@@ -93,7 +93,7 @@ class StateTopics:
 
     @staticmethod
     def _job_of(shown):
-        """(name, per cent) of the job that runs; ("", None): none. The board reports a job that it stores as `per cent,NAME`."""
+        """(name, per cent) of the job that runs; ("", None): none. The board reports a job that it stores as `PER CENT,NAME`."""
         job, stored = shown.get("job"), shown.get("stored") or ""
         if job and job["how"] in ("run", "halting"):
             return job["name"], 100 * job["done"] // max(job["lines"], 1)
@@ -101,7 +101,7 @@ class StateTopics:
         return (name.rstrip("?"), int(share)) if comma and share.isdigit() else ("", None)
 
     def _follow_job(self, name, shown, now_s):
-        """Note the beginning and the end of a job."""
+        """Add an event for the beginning and the end of a job, and count jobs."""
         if self._job and self._job[0] != name:
             job = shown.get("job")
             failed = shown["alarm"] or bool(job and job["name"] == self._job[0] and job["how"] == "failed")
@@ -113,7 +113,7 @@ class StateTopics:
             self._add_event("begun", job=name)
 
     def _count_motion(self, shown, state, now_s):
-        """Time in motion, the way of X, Y and Z, and all axes' steps: a straight line from each report to the next."""
+        """Count time in motion (s), the way of X, Y and Z (m) and all axes' steps, along a straight line from each report to the next."""
         place = shown.get("m")
         if self._then_s is not None and state in _MOVES:
             self.counters["run_s"] += now_s - self._then_s

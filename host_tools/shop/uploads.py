@@ -25,7 +25,8 @@ class _AsItIs:
 
 
 def job_of(name, data, kind):
-    """`kind`: a board file that speaks grbl and keeps a journal. Facts: "seconds", "area" in mm."""
+    """Return (name, bytes of G-code, facts) of an uploaded file, checked on a virtual board. `kind`: a board file that speaks grbl and keeps a
+    journal. Facts: "seconds", "area" in mm. Raises Failure."""
     if not _NAME.fullmatch(name) or len(data) > MOST_BYTES:
         raise Failure("{}: a name of at most 80 letters is wanted, and a file of at most {} bytes", name, MOST_BYTES)
     board = check(boards.load(kind))
@@ -51,7 +52,7 @@ def job_of(name, data, kind):
 
 
 def list_kinds():
-    """Board files that take jobs of the shop."""
+    """The names of the board files that take jobs of the shop: they speak grbl and keep a journal."""
     found = []
     for name in boards.names():
         board = check(boards.load(name))

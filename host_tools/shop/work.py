@@ -50,7 +50,7 @@ class _Files:
         self._programs = []
 
     def keep_program(self, *program):
-        """(name, lines of gcode_file.read(), number); nothing: forget."""
+        """Keep one program: name, lines of gcode_file.read(), number of its job; without arguments forget it."""
         self._programs = [program] if program else []
         self.changed += 1
 
@@ -104,7 +104,7 @@ class _Job(RecoverableJobs):
         return self._stage == "ask"
 
     def busy(self):
-        """It runs, or the board is asked how it would go on."""
+        """True if the job runs, or the board is being asked how it would go on."""
         return self.is_running() or self._collects is not None
 
     def _job_number(self, name, lines):
@@ -310,7 +310,7 @@ class Work:
             self._change_state(WAITS, _("the machine was not ready"))
 
     def _begin_job(self):
-        """From the first line. Returns 0 or an error."""
+        """Run the job from its first line. Returns 0 or an error."""
         name, lines, _number = self._job.files.programs()[0]
         error = self._machine.run(name, Store.number_lines(lines), 1, False, False)
         if not error:
@@ -339,12 +339,12 @@ class Work:
         return done
 
     def _last_line(self):
-        """The last line that may move; looked for from the end, for a machine that waits asks again and again."""
+        """The number of the last line that moves an axis. Searches from the end, because a waiting machine asks again and again."""
         lines = self._job.files.programs()[0][1]
         return next((number for number, line in reversed(lines) if any(letter in line.upper() for letter in b"XYZ")), 0)
 
     def _go_on(self):
-        """Released, or told to go on: home or unlock the machine if it wants that, then what is next."""
+        """Do the next step behind a release or "go": home or unlock the machine if it wants that, then free it, or begin or resume the job."""
         machine, state = self._machine, self._machine.state
         offer = state["recover"]
         if not state["link"] or self._job.record is None:
