@@ -144,7 +144,7 @@ class Row:
 
     @property
     def runs(self):
-        """[(begin, end, power)], in mm."""
+        """The runs as [(begin, end, power)], in mm."""
         places = [self.left + cut * self.pitch for cut in self.cuts.tolist()]
         return list(zip(places, places[1:], self.powers.tolist()))
 

@@ -48,6 +48,7 @@ def hatch_lines(areas, rule):
 
 
 def _parallel_lines(whole, angle, spacing):
+    """Return the parallel lines in an area, `spacing` mm apart, at `angle` degrees, each other one back. Raises Failure if there are too many."""
     level = affinity.rotate(whole, -angle, origin=(0, 0))
     if level.is_empty:
         return []

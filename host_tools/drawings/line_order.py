@@ -51,6 +51,7 @@ class Ends:
         return math.floor(position.real / self._cell), math.floor(position.imag / self._cell)
 
     def _take_line(self, number):
+        """Remove a line and both of its ends."""
         self._left.remove(number)
         for end in (2 * number, 2 * number + 1):
             key = self._cell_of(self._places[end])

@@ -93,6 +93,7 @@ def turn_shape(shape, quarters):
 
 
 def _pad_cells(gap, cell):
+    """Return the margin of a mask, in cells."""
     return math.ceil(gap / cell) + 1
 
 

@@ -18,7 +18,8 @@ def rectangle(left, top, right, bottom):
 
 
 def fill_area(rings, rule):
-    """The area that `rings`, closed or to be closed, enclose by the rule "nonzero" or "evenodd"."""
+    """Return the area that `rings`, closed or to be closed, enclose by the rule "nonzero" or "evenodd". Raises ValueError if their edges cross too
+    often."""
     closed = []
     for ring in rings:
         ring = _without_repeats(numpy.append(ring, ring[0]))
@@ -52,12 +53,12 @@ def _check_crossings(rings):
 
 
 def grow_area(area, by):
-    """`area`, its edges `by` further out: a line along an edge lies within it for certain."""
+    """Return `area` with its edges `by` px further out, so that a line along an edge lies within it for certain."""
     return shapely.buffer(area, by, join_style="mitre", cap_style="square")
 
 
 def edge_lines(area):
-    """The closed lines around an area and its holes."""
+    """Return the closed lines around an area and its holes."""
     rings = []
     for part in shapely.get_parts(area):
         if part.geom_type == "Polygon" and not part.is_empty:
@@ -66,7 +67,7 @@ def edge_lines(area):
 
 
 def clip_lines(lines, area):
-    """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same position twice."""
+    """Return the parts of `lines` inside `area`, in their order and direction. A dot is a line of the same position twice."""
     shapely.prepare(area)
     left, top, right, bottom = area.bounds if not area.is_empty else (0.0, 0.0, -1.0, -1.0)
     box_is_area = not area.is_empty and area.area >= (right - left) * (bottom - top) * (1 - 1e-12)
@@ -84,7 +85,7 @@ def clip_lines(lines, area):
 
 
 def subtract_area(lines, area):
-    """The parts of `lines` outside `area`."""
+    """Return the parts of `lines` outside `area`."""
     if area.is_empty:
         return lines
     left, top, right, bottom = area.bounds
@@ -126,7 +127,7 @@ def _append_piece(runs, a, b):
 
 
 def _segment_pieces(geometry, start):
-    """The remaining parts of a segment, as pairs of positions in its direction."""
+    """Return the remaining parts of a segment, as pairs of positions in its direction."""
     found = []
     for part in shapely.get_parts(geometry):
         if part.geom_type == "LineString" and not part.is_empty:
@@ -144,6 +145,6 @@ def _xy_pairs(line):
 
 
 def _winding_number(ring, position):
-    """How often a closed ring goes round `position`, which is not on it."""
+    """Return how often a closed ring goes round `position`, which is not on it."""
     turned = numpy.angle((ring[1:] - position) / (ring[:-1] - position)).sum()
     return round(turned / (2 * numpy.pi))

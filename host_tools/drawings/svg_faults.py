@@ -14,7 +14,7 @@ from host_tools.failure import Failure, reason
 
 
 def name_of(element):
-    """As in the file: <path id="a">."""
+    """Return an element's name for an error, as in the file: <path id="a">."""
     name = element.get("id")
     return f'<{local_name(element.tag)} id="{name}">' if name else f"<{local_name(element.tag)}>"
 
@@ -25,12 +25,12 @@ _WORDS = frozenset("auto none inherit initial medium small large smaller larger 
 
 
 def count_unreadable(element):
-    """How many attributes of an element should be numbers and are not: nan, inf, words."""
+    """Count the attributes of an element that should be numbers and are not: nan, inf, words."""
     return sum(text.strip() not in _WORDS and not are_lengths(text) for name, text in element.items() if name in _LENGTHS)
 
 
 def count_by_letters(element):
-    """How many lengths of an element are in a unit of letters that depends on more than their size."""
+    """Count the lengths of an element in a unit of letters that depends on more than their size."""
     return sum(bool(_BY_LETTERS.search(text)) for name, text in element.items() if name in _LENGTHS)
 
 

@@ -82,8 +82,8 @@ class SvgFile:
             raise Failure("{}: {}: the copies made by <use> are more than {} shapes of {} points: make fewer copies", self._path, name_of(element), _MOST_USES, _POINTS)
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
-        """The page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1. `by_colour`:
-        a layer is a colour; `fills`: with the areas that are filled; `unseen`: with shapes that nobody sees."""
+        """Return the page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1. `by_colour`: a layer
+        is a colour; `fills`: with the areas that are filled; `unseen`: with shapes that nobody sees. Raises Failure."""
         self._fills, self._unseen, self._boxes = fills, unseen, {}
         self._deviation = deviation_px
         self._progress = progress
@@ -125,6 +125,7 @@ class SvgFile:
     # --- elements; each returns Inks in px of the page
 
     def _lines_or_failure(self, element, context):
+        """Return the inks of an element. A number that cannot be drawn becomes a Failure that names the element."""
         with name_faults(self._path, element):
             return self._lines_of(element, context)
 
@@ -154,8 +155,8 @@ class SvgFile:
         return self._clip_inks(lines, element, inner) if lines else lines
 
     def _inner_context(self, element, context, ink=True):
-        """The context of an element's own coordinates and style; None if nothing of it is shown. `ink`: False of a clip path's shapes,
-        whose opacity says nothing."""
+        """Return the context of an element's own coordinates and style; None if nothing of it is shown. `ink`: False for a clip path's shapes, whose
+        opacity does not count."""
         if context.depth == _DEEPEST:
             raise Failure("{}: {} lies in more than {} others", self._path, name_of(element), _DEEPEST)
         style = self._style_of(element, context.style)
@@ -176,7 +177,7 @@ class SvgFile:
         return replace(context, matrix=self._matrix_of(element, style, context), style=style, depth=context.depth + 1)
 
     def _name_paints(self, style, tag):
-        """Note what of the paint of something shown is not drawn."""
+        """Count the kinds of paint, of something shown, that are not drawn."""
         for what, name in (("mask", N_("mask")), ("filter", N_("filter")), ("offset-path", N_("offset-path of CSS"))):
             if style.get(what, "none") != "none":
                 self._page.left_out[name] += 1
@@ -190,7 +191,7 @@ class SvgFile:
         return [line for child in children for line in self._lines_or_failure(child, context)]
 
     def _visible_children(self, element):
-        """The children that are shown; of a <switch> the first that suits and can be drawn."""
+        """Return the children that are shown; of a <switch> the first that suits and can be drawn."""
         if local_name(element.tag) != "switch":
             return list(element)
         suit = (child for child in element if local_name(child.tag) not in ("", "foreignObject") and _conditions_hold(child))
@@ -208,6 +209,7 @@ class SvgFile:
             self._progress(min(1.0, self._done / self._count))
 
     def _text_inks(self, element, context):
+        """Return the inks of a <text>, in px of the page: the outlines of its letters."""
         self._count_one()
         if context.style.get("writing-mode", "").startswith(("v", "tb")):
             self._page.left_out[N_("vertical text")] += 1
@@ -232,7 +234,7 @@ class SvgFile:
         return self._shapes.inks(lines, lines if self._fills and svg_style.is_painted(context.style, "fill") else [], context.style)
 
     def _path_finder(self, context):
-        """A function from a <textPath> to the path that its letters stand on, polylines, or None."""
+        """Return a function from a <textPath> to the path on which its letters stand, polylines, or None."""
 
         def find_path(element):
             target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
@@ -264,7 +266,7 @@ class SvgFile:
         return self._clip_inks(self._viewport_inks(target, element, inner), target, inner)
 
     def _viewport_inks(self, element, sized, context):
-        """A <symbol>, or an <svg> inside the file: its viewBox fitted to its size, or to that of the <use>."""
+        """Return the inks of a <symbol>, or of an <svg> inside the file: its viewBox fitted to its size, or to that of the <use>."""
         x, y = element_length(element.get("x"), "x", context), element_length(element.get("y"), "y", context)
         width = element_length(sized.get("width") or element.get("width") or "100%", "x", context)
         height = element_length(sized.get("height") or element.get("height") or "100%", "y", context)
@@ -278,7 +280,7 @@ class SvgFile:
         return cut_inks(lines, svg_area.grow_area(area, _CLIP_PX), self._page.left_out)
 
     def _in_view_box(self, element, context, x, y, width, height):
-        """The context inside a viewport."""
+        """Return the context inside a viewport."""
         box = view_box(element)
         if box is None:
             matrix = svg_geometry.compose_matrices(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y))
@@ -303,7 +305,7 @@ class SvgFile:
         return cut_inks(inks, svg_area.grow_area(self._clip_area(clip, lines, context), _CLIP_PX), self._page.left_out)
 
     def _clip_area(self, clip, lines, context):
-        """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
+        """Return the area that a <clipPath> leaves of an element with the outlines `lines`. Raises Failure."""
         if clip in context.used:
             raise Failure("{}: {} leads to itself", self._path, name_of(clip))
         if sum(local_name(each.tag) == "clipPath" for each in context.used) == _DEEPEST_CLIP:
@@ -326,7 +328,7 @@ class SvgFile:
         return area
 
     def _area_of(self, child, context):
-        """The inside of one shape of a <clipPath>, or None."""
+        """Return the inside of one shape of a <clipPath>, or None."""
         inner = self._inner_context(child, context, ink=False)
         tag = local_name(child.tag)
         if inner is None or inner.style.get("visibility", "visible") != "visible":
@@ -365,23 +367,23 @@ class SvgFile:
         return style
 
     def _paint_of(self, value):
-        """The result of svg_paint.of() for a paint, computed once."""
+        """Return svg_paint.paint_of() of a paint, computed once."""
         if value not in self._paints:
             self._paints[value] = svg_paint.paint_of(value, self._by_id, self._plain_style)
         return self._paints[value]
 
     def _plain_style(self, element):
-        """The properties of an element where it stands, as texts."""
+        """Return the properties of an element at its place in the file, as texts."""
         parent = self._parents.get(element)
         return self._sheet.style(element, {} if parent is None else self._plain_style(parent))
 
     def _style_in_place(self, element):
-        """The style of an element that is drawn elsewhere than it stands."""
+        """Return the style of an element, at its place in the file, that is drawn elsewhere."""
         parent = self._parents.get(element)
         return self._style_of(element, {} if parent is None else self._style_in_place(parent))
 
     def _matrix_of(self, element, style, context):
-        """The matrix of an element of `style` in a context."""
+        """Return the matrix of an element of `style` in a context."""
         try:
             own = svg_transform.of_style(style, context.viewport, lambda with_stroke: self._box_of(element, style, context, with_stroke))
             return context.matrix if own is svg_geometry.IDENTITY else svg_geometry.compose_matrices(context.matrix, own)
@@ -394,7 +396,7 @@ class SvgFile:
     # --- boxes that transforms refer to
 
     def _box_of(self, element, style, context, with_stroke):
-        """Left, top, width and height of an element in its own coordinates, painted or not; None if it has no extent."""
+        """Return left, top, width and height of an element in its own coordinates, painted or not; None if it has no extent."""
         key = id(element), context.viewport, style["font-size"], with_stroke
         if key not in self._boxes:
             page, self._page = self._page, Page(self.size_px)
@@ -412,14 +414,14 @@ class SvgFile:
 
     @staticmethod
     def _own_matrix(element, style, context):
-        """The matrix of an element's own coordinates; of a <use>, as browsers have it, without its x and y."""
+        """Return the matrix of an element's own coordinates; of a <use>, as browsers have it, without its x and y."""
         if local_name(element.tag) != "use":
             return svg_geometry.IDENTITY
         inner = replace(context, style=style)
         return (1.0, 0.0, 0.0, 1.0, -element_length(style.get("x"), "x", inner), -element_length(style.get("y"), "y", inner))
 
     def _extent_lines(self, element, context, fine):
-        """The lines of an element, and of those in it, in its own coordinates; chords are at most `fine` from their curves."""
+        """Return the lines of an element, and of those in it, in its own coordinates; chords are at most `fine` from their curves."""
         tag = local_name(element.tag)
         if tag in SHAPES:
             segments = self._shapes.path_segments(tag, element, context, svg_geometry.stretch_of(context.matrix))

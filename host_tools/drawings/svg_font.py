@@ -27,7 +27,7 @@ _USUAL = "Times New Roman,Liberation Serif,serif"  # of a text that names no fon
 
 @lru_cache(maxsize=64)
 def font_heights(font):
-    """Ascent, descent and height of an x, as parts of a font's size."""
+    """Return (ascent, descent, height of an x), as parts of a font's size."""
     from matplotlib import font_manager
     from matplotlib.textpath import text_to_path
 
@@ -36,8 +36,8 @@ def font_heights(font):
 
 
 def font_of(style, left_out, text=""):
-    """matplotlib's font of a style, with fonts added for letters of `text` that it lacks. A font that is not installed is named in `left_out`,
-    with its replacement."""
+    """Return matplotlib's font of a style, with fonts added for letters of `text` that it lacks. A font that is not installed is named in
+    `left_out`, with its replacement."""
     named = tuple(part.strip().strip("'\"") for part in style.get("font-family", "").split(",") if part.strip())
     families = named or tuple(_USUAL.split(","))
     slant = style.get("font-style", "normal")
@@ -54,7 +54,7 @@ def font_of(style, left_out, text=""):
 
 @lru_cache(maxsize=256)
 def _find_font(families, weight, slant):
-    """(name, matplotlib's font, name of the replacement or None) of a CSS family list. None: the font is of the first family, or generic."""
+    """Return (name, matplotlib's font, name of the replacement or None) of a CSS family list. None: the font is of the first family, or generic."""
     from matplotlib import font_manager
 
     known = _font_names()
@@ -69,14 +69,14 @@ def _find_font(families, weight, slant):
 
 
 def _font_names():
-    """{name in small letters: name} of matplotlib's list."""
+    """Return {name in small letters: name} of matplotlib's list."""
     from matplotlib import font_manager
 
     return {name.lower(): name for name in font_manager.get_font_names()}
 
 
 def _load_installed(families, of_which=""):
-    """The family that fontconfig takes for a list, made known to matplotlib, whose own list may be older; "" without one."""
+    """Make the family that fontconfig takes for a list known to matplotlib, whose own list may be older; return its name, "" without one."""
     from matplotlib import font_manager
 
     name = _ask_fontconfig(families, of_which)
@@ -88,20 +88,20 @@ def _load_installed(families, of_which=""):
 
 
 def _with_families(font, families):
-    """The same, of several families: a letter comes from the first that has it."""
+    """Return the font with several families: a letter comes from the first that has it."""
     font = font.copy()
     font.set_family([name for name in dict.fromkeys(families) if name] or font.get_family())
     return font
 
 
 def count_missing(font, text):
-    """How many letters of `text` no family of a font has."""
+    """Count the letters of `text` that no family of a font has."""
     return sum(unicodedata.category(each)[0] not in "CZ" and not any(ord(each) in letters for letters in _letter_sets(font)) for each in text)
 
 
 @lru_cache(maxsize=256)
 def _letter_sets(font):
-    """The letters of each of a font's families."""
+    """Return the letters of each of a font's families."""
     from matplotlib import font_manager
 
     found = []
@@ -121,12 +121,12 @@ def _is_slanted(font):
 
 @lru_cache(maxsize=1024)
 def _ask_fontconfig(families, of_which=""):
-    """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: further conditions."""
+    """Return the name of the font that fontconfig takes for a family list, "" without it. `of_which`: further conditions."""
     return _run_program("fc-match", "-f", "%{family[0]}", _fontconfig_pattern(families) + of_which)
 
 
 def _files_of(name):
-    """The files of a family, as fontconfig lists them."""
+    """Return the files of a family, as fontconfig lists them."""
     return [file for file in _run_program("fc-list", "-f", "%{file}\n", _fontconfig_pattern([name])).splitlines() if file]
 
 

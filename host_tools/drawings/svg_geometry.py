@@ -36,24 +36,24 @@ class TooFar(ValueError):
 
 
 def check_bound(value, most=_FARTHEST_PX):
-    """The same number, of px on the page. Raises TooFar."""
+    """Return a number of px on the page. Raises TooFar if its size is above `most`."""
     if not -most <= value <= most:
         raise TooFar(f"{value:g}")
     return value
 
 
 def check_finite(value):
-    """The same number, in units of the file's own. Raises TooFar."""
+    """Return a number in units of the file's own. Raises TooFar if it is not finite, or too large."""
     return check_bound(value, _LARGEST)
 
 
 def check_reach(size):
-    """The same size of a shape, in px. Raises TooFar."""
+    """Return the size of a shape, in px. Raises TooFar if it is too large."""
     return check_bound(size, _MOST_REACH_PX)
 
 
 def on_page(lines):
-    """The same lines, in px of the page. Raises TooFar."""
+    """Return lines, in px of the page. Raises TooFar if one leaves the largest page."""
     if lines:
         every = numpy.concatenate(lines)
         for places in (every.real, every.imag) if len(every) else ():
@@ -62,7 +62,7 @@ def on_page(lines):
 
 
 def length_px(text, whole=None, font_size=16.0, default=0.0):
-    """A length in px; `whole` is 100 %. `default` if there is none, or it cannot be read. Raises TooFar."""
+    """Return a length in px; `whole` is 100 %. Returns `default` if there is none, or it cannot be read. Raises TooFar."""
     match = _LENGTH.match(text) if text else None
     if not match:
         return default
@@ -81,7 +81,7 @@ def are_lengths(text):
 
 
 def up_to_a_mistake(text):
-    """(numbers of a list of points up to its first mistake, True if there is none). Raises TooFar."""
+    """Return (numbers of a list of points up to its first mistake, True if there is none). Raises TooFar."""
     text, found, at = text or "", [], 0
     while match := _NEXT.match(text, at):
         found.append(check_finite(float(match[1])))
@@ -90,7 +90,7 @@ def up_to_a_mistake(text):
 
 
 def read_numbers(text):
-    """Raises TooFar."""
+    """Return all numbers of a text. Raises TooFar."""
     found = list(map(float, _NUMBER.findall(text or "")))
     if found:
         check_finite(max(found, key=abs))
@@ -101,7 +101,7 @@ def read_numbers(text):
 
 
 def read_matrix(text, viewport=(0.0, 0.0), font_size=16.0):
-    """The matrix of a transform attribute, or of the property of a style sheet, which has units. `viewport`: the size that per cent refer to.
+    """Return the matrix of a transform attribute, or of the property of a style sheet, which has units. `viewport`: the size of which per cent are.
     Raises ValueError if it cannot be read, TooFar."""
     text = text or ""
     found = IDENTITY
@@ -158,7 +158,7 @@ def _step_matrix(name, given):
 
 
 def matrix_about(by, text, viewport, font_size):
-    """A matrix about a transform-origin, by default 0 0. Raises ValueError, TooFar."""
+    """Return a matrix about a transform-origin, by default 0 0. Raises ValueError, TooFar."""
     words = (text or "0 0").replace(",", " ").split()
     shares = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
     if words[0] in ("top", "bottom") or len(words) > 1 and words[1] in ("left", "right"):
@@ -170,14 +170,14 @@ def matrix_about(by, text, viewport, font_size):
 
 
 def compose_matrices(outer, inner):
-    """The matrix that first does `inner`, then `outer`."""
+    """Return the matrix that first does `inner`, then `outer`. Raises TooFar."""
     a, b, c, d, e, f = outer
     p, q, r, s, t, u = inner
     return tuple(check_finite(each) for each in (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f))
 
 
 def inverse_of(of):
-    """The inverse matrix, or None if there is none."""
+    """Return the inverse matrix, or None if there is none."""
     a, b, c, d, e, f = of
     size = a * d - b * c
     if not size:
@@ -186,7 +186,7 @@ def inverse_of(of):
 
 
 def box_matrix(lines, matrix):
-    """From 0…1 to the box of `lines`, in the coordinates of `matrix`."""
+    """Return the matrix from 0…1 to the box of `lines`, in the coordinates of `matrix`."""
     back = inverse_of(matrix)
     if back is None:
         return IDENTITY
@@ -197,7 +197,7 @@ def box_matrix(lines, matrix):
 
 @lru_cache(maxsize=256)
 def stretch_of(of):
-    """The largest factor by which a matrix lengthens anything."""
+    """Return the largest factor by which a matrix lengthens anything: its spectral norm."""
     return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))
 
 
@@ -214,7 +214,7 @@ def transform_lines(lines, by):
 
 
 def view_box_matrix(view_box, aspect, x, y, width, height):
-    """The matrix that shows `view_box` (x, y, width, height) in a viewport, by a preserveAspectRatio."""
+    """Return the matrix that shows `view_box` (x, y, width, height) in a viewport, by a preserveAspectRatio (SVG 2, 8.2)."""
     left, top, wide, high = view_box
     across, down = width / wide, height / high
     words = (aspect or "xMidYMid meet").split()
@@ -232,7 +232,7 @@ def view_box_matrix(view_box, aspect, x, y, width, height):
 
 
 def shape_path(tag, lengths, points):
-    """The path data of a basic shape, or None if it is not drawn. `lengths(name, axis)` reads an attribute."""
+    """Return the path data of a basic shape, or None if it is not drawn. `lengths(name, axis)` reads an attribute."""
     if tag == "line":
         return _path_data("M", lengths("x1", "x"), lengths("y1", "y"), "L", lengths("x2", "x"), lengths("y2", "y"))
     if tag in ("polyline", "polygon"):
@@ -251,7 +251,7 @@ def shape_path(tag, lengths, points):
 
 
 def _corner_radii(lengths):
-    """rx and ry; one that is missing or negative is the other."""
+    """Return rx and ry; one that is missing or negative is the other."""
     across, down = (value if value is not None and value >= 0 else None for value in (lengths("rx", "x", None), lengths("ry", "y", None)))
     return (across if across is not None else down or 0.0), (down if down is not None else across or 0.0)
 
@@ -277,8 +277,8 @@ def _path_data(*parts):
 
 
 def flatten_segments(segments, deviation):
-    """Polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without
-    length is its position twice; a move that nothing follows is nothing."""
+    """Return the polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without length is its
+    position twice; a move that nothing follows is left out."""
     lines, line = [], []
 
     def finish_line():
@@ -308,13 +308,13 @@ def flatten_segments(segments, deviation):
 
 
 def _inner_positions(count, *points):
-    """Positions between the ends of a Bézier curve of these control points, where its `count` chords meet."""
+    """Return the positions between the ends of a Bézier curve of these control points, at which its `count` chords meet."""
     weights = _kept_weights if count <= _MOST_KEPT else _bezier_weights
     return (weights(count, len(points)) @ numpy.array(points)).tolist()
 
 
 def _bezier_weights(count, size):
-    """Weights (Bernstein) of `size` control points, 4 or 3, at the `count` − 1 inner positions: a row each."""
+    """Return the weights (Bernstein) of `size` control points, 4 or 3, at the `count` − 1 inner positions: a row each."""
     t = numpy.linspace(0, 1, count + 1)[1:-1, None]
     s = 1 - t
     return numpy.hstack((s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t) if size == 4 else (s * s, 2 * s * t, t * t))
@@ -324,7 +324,7 @@ _kept_weights = lru_cache(maxsize=None)(_bezier_weights)
 
 
 def flatten_cubic(a, b, c, d, deviation):
-    """Positions of a Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
+    """Return the positions of a cubic Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
     # A chord over the n-th part of a curve is at most max |B''| / 8n² off; B'' runs between 6 (a - 2b + c) and the next.
     bend = max(abs(a - 2 * b + c), abs(b - 2 * c + d))
     count = max(1, math.ceil(math.sqrt(0.75 * bend / deviation)))
@@ -334,7 +334,7 @@ def flatten_cubic(a, b, c, d, deviation):
 
 
 def flatten_quadratic(a, b, c, deviation):
-    """The same of a curve with one control point."""
+    """Return the positions of a quadratic Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
     count = max(1, math.ceil(math.sqrt(abs(a - 2 * b + c) / deviation / 4)))
     if count == 1:
         return [c]
@@ -342,6 +342,7 @@ def flatten_quadratic(a, b, c, deviation):
 
 
 def _flatten_arc(segment, end, deviation):
+    """Return the positions of an elliptic arc behind its start, its end included, no chord further than `deviation` from it."""
     radius = max(float(segment.rx), float(segment.ry)) if segment.rx and segment.ry else 0.0
     sweep = abs(float(segment.sweep))
     if not radius or not sweep:
@@ -353,7 +354,8 @@ def _flatten_arc(segment, end, deviation):
 
 
 def dash_lines(lines, pattern, offset, left_out=None):
-    """The dashes of polylines, by a stroke-dasharray (lengths) and its offset. A line of too many stays whole, and `left_out` counts it."""
+    """Return the dashes of polylines, by a stroke-dasharray (lengths) and its offset. A line of too many dashes stays whole, and `left_out` counts
+    it."""
     if not pattern or min(pattern) < 0 or sum(pattern) <= 0:
         return lines
     pattern = list(pattern) * (2 if len(pattern) % 2 else 1)

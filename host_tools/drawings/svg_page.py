@@ -18,7 +18,7 @@ _PICTURE = re.compile(rb"(data:[\w/+.;=-]*,)[^\"'<>)]{200,}")  # which nobody dr
 
 
 def root_of(path):
-    """Raises Failure if the file is not there, or is no SVG."""
+    """Return the root element of an SVG file. Raises Failure if the file is not there, or is no SVG."""
     try:
         # In one piece: expat reads a picture of n parts n times, if it gets them one by one.
         root = ElementTree.fromstring(_PICTURE.sub(rb"\1", Path(path).read_bytes()))
@@ -32,7 +32,7 @@ def root_of(path):
 
 
 def page_size(root, style):
-    """Width and height; from the viewBox if they are missing or in %. Raises TooFar."""
+    """Return width and height in px; from the viewBox if they are missing or in %. Raises TooFar."""
     return tuple(map(svg_geometry.check_bound, _size_px(root, style)))
 
 

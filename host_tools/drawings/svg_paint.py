@@ -22,7 +22,7 @@ _KINDS = {"linearGradient": "gradient", "radialGradient": "gradient", "pattern":
 
 
 def paint_of(value, by_id, style_of):
-    """(the paint that counts; its kind, "gradient", "pattern", "context" or None). `style_of(element)`: its properties, as texts."""
+    """Return (the paint that counts; its kind, "gradient", "pattern", "context" or None). `style_of(element)`: its properties, as texts."""
     match = _PAINT.match(value)
     if not match:
         return value, "context" if value.startswith("context-") else None
@@ -42,7 +42,7 @@ def paint_of(value, by_id, style_of):
 
 
 def _paint_parts(element, by_id):
-    """The colours of a gradient, or of the one that it leads to, or the shapes of a pattern."""
+    """Return the colours of a gradient, or of the one to which it leads, or the shapes of a pattern."""
     for _again in range(_MOST):
         if element is None:
             break
@@ -54,7 +54,7 @@ def _paint_parts(element, by_id):
 
 
 def _is_white_pattern(parts, style_of):
-    """True if all that a pattern has are white shapes; between them the white page is seen."""
+    """True if a pattern has only white shapes; between them the white page is seen."""
     shapes = [child for part in parts for child in part.iter() if local_name(child.tag) not in _NOT_SEEN]
     styles = [style_of(shape) for shape in shapes]
     return all(local_name(shape.tag) in _SHAPES for shape in shapes) and all(

@@ -18,7 +18,7 @@ _WANTED = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}  # nu
 
 
 def read(data):
-    """(segments up to the first mistake, True if there is none)."""
+    """Read path data; return (segments up to the first mistake, True if there is none)."""
     reader = _Reader()
     begun = data.lstrip(_BETWEEN)
     if begun[:1] not in ("M", "m"):
@@ -30,7 +30,7 @@ def read(data):
 
 
 def _read_numbers(text):
-    """(numbers up to the first mistake, True if there is none)."""
+    """Return (numbers up to the first mistake, True if there is none)."""
     found = _NUMBERS.findall(text)
     if len(text) - sum(map(len, found)) == sum(map(text.count, _BETWEEN)):
         return list(map(float, found)), True
@@ -48,7 +48,7 @@ class _Reader:
         self._control, self._kind = 0j, ""  # the last control point of the curve before, and its letter
 
     def take_command(self, letter, text):
-        """One command with all its numbers. Return False behind a mistake."""
+        """Read one command with all its numbers. Returns False behind a mistake."""
         kind, base = letter.upper(), letter.islower()
         if kind == "Z":
             self._add_segment(("Z", self._first), self._first)

@@ -18,7 +18,7 @@ SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
 
 
 def element_length(text, axis, context, default=0.0):
-    """A length of an element, in px of its own coordinates; `axis`: "x", "y" or None, of which per cent are."""
+    """Return a length of an element, in px of its own coordinates; `axis`: "x", "y" or None, of which per cent are."""
     width, height = context.viewport
     whole = {"x": width, "y": height}.get(axis, math.hypot(width, height) / math.sqrt(2))
     return svg_geometry.length_px(text, whole, context.style["font-size"], default)
@@ -29,7 +29,7 @@ class Shapes:
         self._segments = {}  # (id of an element, viewport): read once for all sizes
 
     def begin(self, page, deviation, fills, unseen):
-        """For a page, which counts what is wrong with shapes. `unseen`: draw what nobody sees, too."""
+        """Begin a page, which counts the faults of shapes. `deviation`: px between chord and curve; `unseen`: draw also shapes that nobody sees."""
         self._page, self._deviation, self._fills, self._unseen = page, deviation, fills, unseen
 
     def shape_inks(self, tag, element, context):
@@ -77,7 +77,7 @@ class Shapes:
         return svg_area.fill_area(edges, style.get("fill-rule", "nonzero")).covers(inner)
 
     def inks(self, lines, rings, style, edges=()):
-        """Lines in the colour of their stroke, or else of their fill, and the area that is filled. `edges`: of the area under a stroke."""
+        """Return lines in the colour of their stroke, or else of their fill, and the area that is filled. `edges`: of the area under a stroke."""
         rule = style.get("fill-rule", "nonzero")
         svg_geometry.on_page(lines)
         self._page.drawn += bool(lines)
@@ -91,7 +91,7 @@ class Shapes:
         return inks
 
     def path_segments(self, tag, element, context, stretch):
-        """The segments of a shape, read once. Raises TooFar."""
+        """Return the segments of a shape, read once. Raises TooFar."""
         key = id(element), context.viewport, context.style["font-size"]
         if key not in self._segments:
             data = context.style.get("d") if tag == "path" else self._basic_path(tag, element, context)

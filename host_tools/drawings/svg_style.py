@@ -50,7 +50,7 @@ _FONT = re.compile(
 
 
 def local_name(name):
-    """The name of an SVG tag without its namespace, or "" for those of other languages."""
+    """Return the name of an SVG tag without its namespace, or "" for those of other languages."""
     if not isinstance(name, str):
         return ""  # a comment
     space, _, local = name.rpartition("}")
@@ -59,7 +59,7 @@ def local_name(name):
 
 @lru_cache(maxsize=4096)
 def _read_declarations(text):
-    """([(name, value)] of the declarations without !important, the same of those with it)."""
+    """Return ([(name, value)] of the declarations without !important, the same of those with it)."""
     import tinycss2
 
     found = [], []
@@ -76,7 +76,7 @@ def _is_side(name, value):
 
 
 def _add_declaration(found, name, value, geometry):
-    """`geometry`: the properties that are the element's own attributes."""
+    """Add a declaration to `found`, shorthands as their parts. `geometry`: the properties that are the element's own attributes."""
     if name == "font":
         match = _FONT.match(value)
         if match:
@@ -174,7 +174,7 @@ class Sheet:
                 self._of[id(wrapper.etree_element)] = [body for _, _, _, body in found]  # the weakest first
 
     def style(self, element, inherited):
-        """The properties of `element` within a parent of the properties `inherited`, as texts."""
+        """Return the properties of `element` within a parent of the properties `inherited`, as texts."""
         style = {name: value for name, value in inherited.items() if name in _INHERITED}
         own = {}
         geometry = _GEOMETRY.get(local_name(element.tag), frozenset())
@@ -202,7 +202,7 @@ class Sheet:
 
 
 def font_size(text, parent):
-    """px of a font-size; `parent`: of the element around, which stays if it cannot be read or is negative."""
+    """Return a font-size in px; `parent`: that of the element around, which stays if it cannot be read or is negative."""
     if text in _SIZES:
         return _SIZES[text]
     size = parent * _STEPS[text] if text in _STEPS else length_px(text, parent, parent, parent)
@@ -210,7 +210,7 @@ def font_size(text, parent):
 
 
 def font_weight(text, parent):
-    """A font-weight as a number, 1…1000; `parent`: of the element around."""
+    """Return a font-weight as a number, 1…1000; `parent`: that of the element around."""
     if text == "bolder":
         return next(weight for below, weight in ((350, 400), (550, 700), (math.inf, max(900, parent))) if parent < below)
     if text == "lighter":
@@ -231,7 +231,7 @@ def is_painted(style, what):
 
 @lru_cache(maxsize=1024)
 def _parse_colour(value):
-    """tinycss2's colour of a text; None: a word that is no colour by itself (currentColor)."""
+    """Return tinycss2's colour of a text; None: a word that is no colour by itself (currentColor)."""
     from tinycss2.color4 import parse_color  # also #0008, rgb(0 0 0 / 50%), hsl(0 0% 100%)
 
     colour = parse_color(value)
@@ -255,13 +255,13 @@ def is_white(value):
 
 
 def is_invisible(opacity):
-    """True of the text of an opacity of 0 or less."""
+    """True if the text of an opacity says 0 or less."""
     match = _SHARE.match(opacity or "")
     return bool(match) and float(match[1]) <= 0
 
 
 def is_opaque(style):
-    """True of a fill through which nothing shines, as far as the element itself says."""
+    """True if nothing shines through a fill, as far as the element itself says."""
     if _alpha_of(style.get("fill", "black")) != 1:
         return False
     shares = [_SHARE.match(style.get(name, "1")) for name in ("opacity", "fill-opacity")]
@@ -269,7 +269,7 @@ def is_opaque(style):
 
 
 def layer_of(group, order):
-    """Number and name of a group at the top."""
+    """Return (number, name) of a group at the top."""
     label, name = group.get(_LABEL), group.get("id")
     for text in (label, name):
         digits = re.search(r"\d+", text or "")

@@ -60,7 +60,7 @@ class Way:
         self.along = numpy.concatenate(([0.0], numpy.cumsum(steps)))
 
     def position_at(self, distance):
-        """(place, direction as a complex number of length 1), or None off its ends."""
+        """Return (position, direction as a complex number of length 1) at a distance along the way, or None off its ends."""
         if not 0 <= distance <= self.along[-1]:
             return None
         index = min(max(int(numpy.searchsorted(self.along, distance, "right")) - 1, 0), len(self.line) - 2)
@@ -96,7 +96,7 @@ class _Chunk:
 
 
 def collect_letters(element, style, style_of, viewport, left_out, way_of):
-    """The letters of a <text>, spaces collapsed. `style_of(child, style)` is the style of a <tspan>, `way_of(child)` the polylines of a
+    """Return the letters of a <text>, spaces collapsed. `style_of(child, style)`: the style of a <tspan>, `way_of(child)`: the polylines of a
     <textPath>, or None."""
     letters = []
     _collect_into(element, style, (style_of, way_of), viewport, left_out, letters, False)
@@ -104,7 +104,7 @@ def collect_letters(element, style, style_of, viewport, left_out, way_of):
 
 
 def _without_end(letters):
-    """Without blanks at the end."""
+    """Return the letters without blanks at the end."""
     count = len(letters)
     while count and _is_blank(letters[count - 1]):
         count -= 1
@@ -155,7 +155,7 @@ def _collect_into(element, style, found_by, viewport, left_out, letters, keep_sp
 
 
 def _name_others(element, style, left_out):
-    """Note text that is drawn otherwise than the file has it."""
+    """Count text that is drawn otherwise than the file has it."""
     text = "".join((element.text or "", *(child.tail or "" for child in element)))
     if text.strip() and (style.get("direction") == "rtl" or any(unicodedata.bidirectional(each) in ("R", "AL") for each in text)):
         left_out[N_("text from right to left (drawn from left to right)")] += 1
@@ -173,7 +173,7 @@ def _name_others(element, style, left_out):
 
 
 def _stretch_letters(element, letters, whole, size, left_out):
-    """textLength: blanks between letters, or wider letters, so that they are as long as the file says."""
+    """Carry out textLength: widen blanks between letters, or the letters, so that they are as long as the file says."""
     wanted = svg_geometry.length_px(element.get("textLength"), whole, size)
     if wanted <= 0 or not letters or any(letter.x is not None for letter in letters[1:]):
         return
@@ -188,12 +188,12 @@ def _stretch_letters(element, letters, whole, size, left_out):
 
 
 def _shift_px(text, size):
-    """How far above its line a <tspan> of baseline-shift stands; `size` is its parent's. As Inkscape has it."""
+    """Return how far above its line a <tspan> of baseline-shift stands, in px; `size` is its parent's. As Inkscape has it."""
     return {"super": 0.4 * size, "sub": -0.2 * size}.get(text, svg_geometry.length_px(text, size, size))
 
 
 def _collect_on_path(element, style, found_by, viewport, left_out, letters, keep_space, depth):
-    """The letters of a <textPath>."""
+    """Collect the letters of a <textPath>."""
     lines = found_by[1](element)
     if style.get("display") == "none":
         return
@@ -228,7 +228,7 @@ def _add_letters(text, style, size, keep_space, letters):
 
 
 def outlines_of(letters, deviation, left_out):
-    """The outlines of letters as polylines, y down."""
+    """Return the outlines of letters as polylines, y down."""
     lines = []
     x = y = 0.0
     behind = False
@@ -255,7 +255,7 @@ def outlines_of(letters, deviation, left_out):
 
 
 def _on_way(chunk, at, ways, deviation, left_out):
-    """Letters along a path; those whose middle is off its ends are not shown."""
+    """Return the outlines of letters along a path; those whose middle is off its ends are not shown."""
     lines, off = [], 0.0
     for run, way in zip(chunk.runs, ways):
         wide = _advance_px(run, left_out)
@@ -288,7 +288,7 @@ def _find_chunks(letters):
 
 
 def _spacing_px(style, size, text=" "):
-    """Behind a letter, and behind a blank."""
+    """Return the extra px behind a letter, and behind a blank."""
     words = text == " " and svg_geometry.length_px(style.get("word-spacing"), None, size)
     return svg_geometry.length_px(style.get("letter-spacing"), None, size) + words
 
@@ -303,7 +303,7 @@ def _advance_px(run, left_out):
 
 
 def _run_lengths(runs, left_out):
-    """How far each run's end is from its begin; letters of the same kind stand as close as within a run."""
+    """Return how far each run's end is from its begin; letters of the same kind stand as close as within a run."""
     ways = [_advance_px(run, left_out) for run in runs]
     for index, (run, after) in enumerate(zip(runs, runs[1:])):
         if (after.style, after.size, after.wide) == (run.style, run.size, run.wide):
@@ -323,7 +323,7 @@ def _kerning_share(font, pair):
 
 
 def _letter_outlines(run, x, y, deviation, left_out):
-    """The outlines of letters whose line begins at a place; none if they are hidden."""
+    """Return the outlines of letters whose line begins at a position; none if they are hidden."""
     if run.style.get("visibility", "visible") != "visible":
         return []
     from matplotlib.path import Path
@@ -355,6 +355,6 @@ def _letter_outlines(run, x, y, deviation, left_out):
 
 
 def _baseline_px(name, font, size):
-    """How far below its position a line of text stands, by a dominant-baseline, as browsers have it."""
+    """Return how far below its position a line of text stands, in px, by a dominant-baseline, as browsers have it."""
     share = _SHARES.get(name)
     return sum(part * height for part, height in zip(share, svg_font.font_heights(font))) * size if share else 0.0

@@ -44,7 +44,7 @@ def is_valid(name, value):
 
 
 def of_style(style, viewport, box):
-    """The matrix of a style; `box(with_stroke)` returns left, top, width and height, or None. Raises ValueError, TooFar."""
+    """Return the matrix of a style; `box(with_stroke)` returns left, top, width and height, or None. Raises ValueError, TooFar."""
     steps = [style.get(name, "none") for name in ("translate", "rotate", "scale", "transform")]
     if all(value == "none" for value in steps):
         return IDENTITY
@@ -74,7 +74,7 @@ def _translation_of(text, whole, size):
 
 
 def _rotation_of(text):
-    """Of an angle, and an axis by its name or three numbers, what is seen from in front."""
+    """Return the matrix of an angle, and an axis by its name or three numbers, flattened as seen from in front."""
     if text == "none":
         return IDENTITY
     words = text.lower().split()

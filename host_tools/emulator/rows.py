@@ -74,7 +74,8 @@ def _count_oks(asking):
 
 
 def measure_stream(machine, link, kind, think_us, times=1):
-    """Return the figures of one stream, the rate without its first quarter; `times` as long."""
+    """Stream lines or dots; return {"rate": lines or dots a second without the first quarter, "late": words late, "stands", "asked_ms", …}.
+    `think_us`: time that the sender takes to read an answer; `times`: how many times as long."""
     if kind == "lines":
         start, text = gcode.chords(LINE_MM)
         lines = [line.decode().strip() for line in text.splitlines()]

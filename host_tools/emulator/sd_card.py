@@ -88,6 +88,7 @@ class SdCard:
         return reply
 
     def _take_block_byte(self, value):
+        """Take a byte of the block that comes; write the sector once it is whole."""
         self._block.append(value)
         if len(self._block) < SECTOR + 2:
             return

@@ -184,7 +184,7 @@ class Toolpath:
     # --- to the listing
 
     def put_line(self, target, rapid, feed, source=None, inverse=False, relative=False):
-        """Append a line to `target`; axes that are None stay. `inverse`, `relative`: of move_to()."""
+        """Append a line to `target`, mm; axes that are None stay. `feed`: mm/min; `inverse`, `relative`: of move_to()."""
         begin = self._there[:]
         words = []
         if relative and target[3] is not None and abs(_to_units(target[3]) - begin[3]) > _HALF_TURN:
@@ -198,6 +198,7 @@ class Toolpath:
             self._put_words(words, begin, rapid, feed, source, inverse)
 
     def _put_relative(self, target, rapid, feed, source, inverse):
+        """Append a line in G91, for A by more than half a turn, and G90 behind it."""
         begin = self._there[:]
         words = ["G91"]
         for axis, value in enumerate(target):

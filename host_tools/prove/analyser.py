@@ -31,7 +31,7 @@ class Capture:
 
     @property
     def hz(self):
-        """Samples a second."""
+        """The samples a second."""
         return self.clock_hz / self.divider
 
     @property

@@ -316,12 +316,12 @@ class Runner:
             ticks = _LONG_TICKS if before - queued <= _FEW else COARSE_TICKS
 
     def _count_queued(self):
-        """Blocks that have not been played."""
+        """Return how many blocks have not been played."""
         indices = self._app.planner.indices
         return (indices[QUEUE_ADDED] - indices[QUEUE_RETIRED]) & COUNT_MASK
 
     def _next_line(self, lines):
-        """The next line that is part of a job, or None."""
+        """Return (number, line) of the next line that is part of a job, or None. Orders ($H, $X) are noted and skipped."""
         for number, line in lines:
             if not is_order(line):
                 return number, line
@@ -392,7 +392,7 @@ class Frames:
 
 
 def _lines_of(stream):
-    """The lines of the job: they come in blocks, because reading a line takes a call of the system for each byte."""
+    """Yield (number, bytes) of each line of the job. They come in blocks, because reading a line takes a call of the system for each byte."""
     while True:
         size = int(stream.readline() or 0)  # nothing: nobody sends any more
         if not size:

@@ -86,6 +86,7 @@ class Trace:
             self._file = None
 
     def _csv_lines(self, rows):
+        """Yield rows as lines of CSV: µs with two decimals, and steps from zero."""
         mark = self._mark
         zero = (*self._zero, 0)
         for row in rows:
