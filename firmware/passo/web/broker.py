@@ -43,7 +43,7 @@ class Wire:
         self.expected = b""  # the bytes that umqtt reads next
 
     def settimeout(self, seconds):
-        """Nothing here waits."""
+        """Do nothing: this socket never waits."""
 
     setblocking = connect = settimeout
 
@@ -60,7 +60,7 @@ class Wire:
         self.used += count
 
     def drop_sent(self, count):
-        """Drop `count` bytes, which have gone."""
+        """Drop the first `count` bytes of the buffer, which have been sent."""
         left = self.used - count
         self.said[:left] = self.said[count : self.used]
         self.used = left
@@ -112,7 +112,7 @@ class Broker:
         return [self._socket] if self._socket else []
 
     def close(self):
-        """The broker says "gone"."""
+        """Close the connection; the broker then publishes the last will, "gone"."""
         if self._socket:
             self._socket.close()
             self._socket = None
@@ -169,7 +169,8 @@ class Broker:
             self._parse_byte(byte)
 
     def _parse_byte(self, byte):
-        """A byte of a packet: its kind, its length in sevens of bits, what it says."""
+        """Take a byte of an MQTT 3.1.1 packet: its kind, its length (seven bits a byte), its content. Calls stop() at a message. Raises OSError
+        if the broker refuses the connection."""
         if not self._kind:
             self._kind = byte
             self._length = self._shift = 0
@@ -208,7 +209,7 @@ class Broker:
             self._publish_topic(topic, text.encode())
 
     def _publish_topic(self, topic, text):
-        """Retained, if it has changed and there is room; else the next state will do."""
+        """Publish a topic, retained, if its text has changed and there is room; else the next state will do."""
         if self._told.get(topic) != text and self._wire.used + len(self._own) + len(topic) + len(text) + _HEADS <= _ROOM:
             self._told[topic] = text
             self._client.publish(self._own + topic, text, True)

@@ -73,8 +73,8 @@ class Connection:
     # --- the request
 
     def receive(self):
-        """Take what has come. True if the request is whole, or wrong; of a WebSocket [(kind, bytes)], its messages. Raises OSError if the
-        other end has gone, ValueError if what a WebSocket sends is none."""
+        """Take the bytes received. Returns True if the request is whole, or wrong; of a WebSocket [(kind, bytes)], its messages. Raises OSError if
+        the other end has gone, ValueError at bytes that are no WebSocket's."""
         try:
             data = self.socket.recv(READ)
         except OSError as error:
@@ -93,7 +93,7 @@ class Connection:
         return self.state == ASKED
 
     def _read_head(self, data):
-        """Read lines of the head. Returns what lies behind it."""
+        """Read lines of the head. Returns the bytes behind it."""
         data = self._line + data
         while self.state == HEAD:
             end = data.find(b"\n")
@@ -177,7 +177,7 @@ class Connection:
         self.state = ANSWERED
 
     def begin_events(self):
-        """Send server-sent events from now on, see send_event()."""
+        """Answer with server-sent events from now on, see send_event()."""
         self._begin_answer(200, b"text/event-stream", b"")
         self.state = EVENTS
 
@@ -192,7 +192,7 @@ class Connection:
         self.state = SOCKET
 
     def send_event(self, data):
-        """Send one, if the one before has been sent. False if not."""
+        """Send an event if the one before has been sent. Returns False if not."""
         if self._out or self._rest:
             return False
         self._out = b"data: " + data + b"\n\n"
@@ -206,8 +206,8 @@ class Connection:
         return bool(self._out) or bool(self._rest) or self._file is not None
 
     def send(self, now_ms, data=b""):
-        """Send what the network takes, `data` behind the rest. True if there is more. The time that it may take counts from where nothing
-        was left. Raises OSError if the other end has gone, or has taken nothing for long."""
+        """Send as much as the network takes, `data` behind the rest. Returns True if bytes are left. Raises OSError if the other end has gone,
+        or leaves more than UNSENT bytes."""
         if data:
             if len(self._out) + len(data) > UNSENT:
                 raise OSError(0)

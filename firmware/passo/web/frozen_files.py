@@ -23,7 +23,7 @@ class FrozenFiles:
         return 0x8000, 0, 0, 0, 0, 0, len(self._bytes_of(path)), 0, 0, 0
 
     def open(self, path, mode):
-        """Reads where the bytes are: they are not copied."""
+        """Open a file for reading; its bytes are not copied. Raises OSError (2) if there is none."""
         return BytesIO(self._bytes_of(path))
 
     def _bytes_of(self, path):

@@ -25,15 +25,15 @@ _NONCE_BYTES = const(16)
 
 
 def is_own_request(host, origin, names, browser=False):
-    """True if a request's Host is of `names`, with a port or not, and its Origin is this server's page, or there is none. Bytes in small
-    letters, or None. `browser`: it must have one, as a browser's WebSocket has."""
+    """True if a request's Host is one of `names`, with a port or not, and its Origin is this server's page, or missing. Both are bytes in small
+    letters, or None. `browser`: the Origin must not be missing, because a browser's WebSocket has one."""
     if host is None or (host if host[-1:] == b"]" else host.rsplit(b":", 1)[0]) not in names:
         return False
     return not browser if origin is None else origin == b"http://" + host
 
 
 def make_nonce():
-    """A text that was never there before, from the system's random bytes."""
+    """Make a nonce: 16 random bytes of the system in hex."""
     return hexlify(urandom(_NONCE_BYTES)).decode()
 
 
@@ -51,8 +51,8 @@ class Guard:
         self._since_ms = 0
 
     def set_admission(self, admitted, free, keyed=()):
-        """`admitted()`: True while who sends no proof is admitted; None: never. `free`: paths that want no proof; `keyed`: those that
-        always want one, because no program of 2020 knows them."""
+        """Set the rules for requests without a proof. `admitted()`: True while they are admitted; None: never. `free`: paths that want no proof;
+        `keyed`: paths that always want one, because no program of 2020 knows them."""
         self._admitted = admitted
         self._free = free
         self._keyed = keyed

@@ -81,7 +81,7 @@ class Server:
         return bool(self._requests)
 
     def read(self):
-        """The next request, or b""."""
+        """Return the next request for the language: number, flags, path and body; b"": none."""
         self.poll(self._clock_ms())
         return self._requests.pop(0) if self._requests else b""
 
@@ -108,7 +108,7 @@ class Server:
     # --- the network's side
 
     def poll(self, now_ms):
-        """Take a connection, go on with some, end those that take too long."""
+        """Accept a connection, advance _STEPS connections at most, drop those that take too long. Call it once a cycle."""
         self._now_ms = now_ms
         steps = _STEPS
         for ready in self._ready(0):
@@ -135,7 +135,7 @@ class Server:
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
 
     def _takes_too_long(self, connection, now_ms):
-        """True if it takes too long."""
+        """True if a connection has taken too long for its request, its answer or a sign of life. Pings a silent WebSocket."""
         waited = (now_ms - connection.since_ms) & COUNT_MASK
         if connection.state == SOCKET:
             silent = (now_ms - connection.heard_ms) & COUNT_MASK
@@ -148,7 +148,7 @@ class Server:
         return waited > (_SENT_MS if connection.state == ANSWERED else _WHOLE_MS)
 
     def select_list(self):
-        """Sockets whose bytes are waited for."""
+        """The sockets that select() is to wait for."""
         return [self._listener] + [each.socket for each in self.connections if each.state in (HEAD, BODY, SOCKET)]
 
     def close(self):
@@ -160,7 +160,7 @@ class Server:
         return len([1 for each in self.connections if each.state == EVENTS])
 
     def _accept_connection(self, now_ms):
-        """Take a connection. It waits if all that there are are being answered."""
+        """Accept a connection. If SLOTS are taken, drop one whose request is not whole or that reads nothing; else leave it waiting."""
         if len([1 for each in self.connections if each.state < EVENTS]) >= SLOTS:  # the others are pages
             for connection in self.connections:
                 unread = connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
@@ -182,7 +182,7 @@ class Server:
         self._advance_connection(connection, now_ms)
 
     def _advance_connection(self, connection, now_ms):
-        """Do the next work of a connection."""
+        """Do the next piece of work of a connection: receive, answer or send. Drops one that has gone or is wrong."""
         try:
             if connection.state in (HEAD, BODY):
                 if connection.receive():

@@ -22,8 +22,8 @@ _FOLDER = "/page/" if _FROZEN else __file__[: __file__.rfind("/")] + "/page/" if
 
 
 def make_lines(links, radio, legacy, clock_ms, page_line):
-    """The lines of the links over the network. `links`: of the board file; `legacy`: programs without the key may be admitted; `clock_ms()`:
-    the links' clock; `page_line()`: the class of lines for pages."""
+    """Make the lines of the links over the network, {name: line}. `links`: of the board file; `legacy`: programs without the key may be admitted;
+    `clock_ms()`: the links' clock; `page_line()`: the class of lines for pages."""
     lines = {}
     links = [link for link in links if link["port"] in NETWORK_PORTS]
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None

@@ -23,7 +23,7 @@ class Pace:
         self._told = None
 
     def look(self, order):
-        """The answer to an order that says how often; it needs no key."""
+        """Set how often the page gets the state, by an order's `every` in ms, 0 … 10,000; returns its answer. It needs no key."""
         every = order.get("every")
         good = isinstance(every, int) and not isinstance(every, bool) and 0 <= every <= _MOST_MS
         if good:
@@ -32,7 +32,7 @@ class Pace:
         return {"t": "answer", "do": "look", "error": 0 if good else errors.ORDER_FIELD}
 
     def is_due(self, version, now_ms):
-        """Return whether the page gets the state now. `version`: another one if more than positions have changed: then at once."""
+        """Return whether the page gets the state now: if its time has come, or at once if `version` is another one."""
         if version == self._told and (not self._every_ms or ms_since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
             return False
         self._told = version

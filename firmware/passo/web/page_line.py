@@ -108,7 +108,7 @@ class PageLine:
                 self._server.send(page.socket, said)
 
     def open(self, connection, now_ms):
-        """A page has come. Return its first message; None: there are too many. One that has proven nothing makes room."""
+        """Add a page for a WebSocket, and return its first message; None: there are too many. Drops a page that has proven nothing to make room."""
         if self.pages.is_full():
             for page in self.pages.pages:
                 if not page.session.opened:
@@ -124,7 +124,7 @@ class PageLine:
         return hello
 
     def take_message(self, connection, data, now_ms):
-        """A message. False: the page is to be closed. Raises ValueError if it is no text."""
+        """Take a message of a page. Returns False if the page must be closed. Raises ValueError if it is no text."""
         page = connection.page
         if page is None:
             return False
@@ -153,14 +153,14 @@ class PageLine:
         self._stop_machine(b"")
 
     def _stop_machine(self, body):
-        """STOP by a request of its own: refuse the orders that pages sent before it."""
+        """Queue a STOP that came by a request of its own, and refuse the orders that pages sent before it. Returns the answer, JSON."""
         self.pages.refuse_older(body)
         self._messages = [message for message in [self._rest_after_stop(*message) for message in self._messages] if message]
         self._messages.insert(0, (None, bytes((FIRST + MOST, FREE)) + _STOP))
         return _STOPPED
 
     def _rest_after_stop(self, connection, message):
-        """Return the rest of a message that a STOP has overtaken; None: there is none."""
+        """Return a waiting message as it is after a STOP: a proven order becomes its refusal; None: its page has gone."""
         if connection is not None or message[1] != PROVEN:
             return connection, message
         for page in self.pages.pages:
@@ -170,5 +170,5 @@ class PageLine:
 
 
 def message_frame(message):
-    """The frame of a message, a dict."""
+    """The WebSocket frame of a message, a dict, as bytes."""
     return frame(TEXT, json.dumps(message).encode())

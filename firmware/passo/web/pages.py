@@ -26,7 +26,7 @@ _UNDER_WAY = const(100)  # orders of a page that has not proven them yet, at mos
 
 
 def refusal_answer(error):
-    """The answer to an order that has not been looked at: without its number, the oldest is meant."""
+    """The answer to an order that was refused unread. It has no number: the page takes it for its oldest order's."""
     return {"t": "answer", "do": "", "error": error}
 
 
@@ -60,9 +60,8 @@ class Pages:
         return len(self.pages) >= self._most
 
     def add_page(self, socket, hello, now_ms, remote=False):
-        """A new page; `hello`: the fields of its first message beside the nonce, a dict; `remote`: it is on another computer, and the board
-        does not know that. None: there are too many.
-        """
+        """Add a page and return it; None: there are too many. `hello`: the fields of its first message beside the nonce, a dict; `remote`: it is on
+        another computer, and the board does not know that."""
         if self.is_full():
             return None
         page = Page(socket, Session(self._key, make_nonce()), remote)
@@ -77,8 +76,8 @@ class Pages:
             self.pages.remove(page)
 
     def open(self, page, text, now_ms):
-        """(order's text, whether it is proven) of a message: an order in JSON, with its proof before it (session.py), or without: then it
-        moves nothing. (None, answer), where there is no order."""
+        """(the order's text, whether it is proven) of a message: an order in JSON, with its proof before it (session.py), or without one. If it is
+        refused, (None, answer), and (None, None) if the page must be closed."""
         if (now_ms - page.second_ms) & COUNT_MASK >= _SECOND_MS:
             page.second_ms = now_ms
             page.count = 0
@@ -117,7 +116,7 @@ class Pages:
         return answer
 
     def tell(self, event):
-        """Something for every page, with the next push."""
+        """Queue an event for every page, for the next push; a page keeps _TOLD at most."""
         for page in self.pages:
             if len(page.told) < _TOLD:
                 page.told.append(event)

@@ -21,7 +21,7 @@ _BACKLOG = const(4)
 
 
 def _count_letters(key):
-    """How many letters of a key's alphabet (host_tools/clients/page_key.py) are in it."""
+    """The number of letters in `key` that are of a key's alphabet (host_tools/clients/page_key.py)."""
     return len([code for code in key.encode() if 50 <= code <= 57 or 65 <= code <= 90 and code not in b"IO"])
 
 
@@ -78,7 +78,7 @@ class Radio:
         return peer[: peer.rfind(".")] == here[: here.rfind(".")]
 
     def listen(self, kind):
-        """A socket that listens for "http" or "tcp"; None: the radio is off."""
+        """Return a socket that listens on the port for "http" or "tcp"; None: the radio is off."""
         if self._wlan is None:
             return None
         made = socket.socket()

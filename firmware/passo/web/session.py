@@ -27,7 +27,7 @@ class Hmac:
         self._outer = bytes([byte ^ 0x5C for byte in key])
 
     def hex_digest(self, message):
-        """Of bytes, as a text of hex digits."""
+        """The HMAC of a message, bytes, as a text of 64 hex digits."""
         inner = hashlib.sha256(self._inner)
         inner.update(message)
         outer = hashlib.sha256(self._outer)

@@ -53,7 +53,7 @@ class SignedLine:
         return False
 
     def read(self):
-        """Bytes for the language."""
+        """Return the received bytes that are proven or need no proof, for the language; b"": none."""
         said = self._said + (self._receive_bytes() if self._socket is not None else b"")
         self._said = b""
         self._accept_socket()  # after it: a client that has gone makes room
@@ -113,7 +113,7 @@ class SignedLine:
         return self._session is not None and self._session.opened
 
     def _begin_session(self):
-        """A new session in the place of the one before. Return its first bytes for the other end."""
+        """Begin a new session in the place of the one before. Returns its first bytes for the other end, with the nonce."""
         self._drop_connection()
         self._session = Session(self._key, make_nonce())
         return b"[PASSO:%s]\r\n" % self._session.nonce.encode()

@@ -27,12 +27,12 @@ _ID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 
 
 def accept_of(key):
-    """Sec-WebSocket-Accept for a Sec-WebSocket-Key, bytes."""
+    """Sec-WebSocket-Accept for a Sec-WebSocket-Key, bytes (RFC 6455, section 4.2.2)."""
     return b2a_base64(hashlib.sha1(key + _ID).digest()).strip()
 
 
 def frame(kind, data):
-    """A frame of `data`, up to 65535 bytes."""
+    """A server's frame with `data`, bytes, 65535 at most (RFC 6455, section 5.2). `kind`: TEXT, PING …"""
     size = len(data)
     if size < _SHORT:
         return bytes((_END | kind, size)) + data

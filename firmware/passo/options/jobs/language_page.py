@@ -61,7 +61,7 @@ class StoredJobs:
         return self._machine.queue_command(Command(commands.JOB, target, what), answered or self._ignore_answer)
 
     def _ignore_answer(self, error):
-        """The answer to the order says so."""
+        """Do nothing: the answer to the order has the error."""
 
     # --- uploads
 
@@ -118,7 +118,7 @@ class StoredJobs:
                 self._show_job("failed" if error else "done", name, _PER_CENT, error, line)
 
     def poll(self):
-        """Follow a job that runs, and an upload whose end is read back: a stop ends that without a word."""
+        """Ask for the progress of a stored job that runs; end an upload that a stop has cut while it was read back."""
         machine = self._machine
         if self._closing and not machine.busy_with(commands.JOB):
             self._closing = False

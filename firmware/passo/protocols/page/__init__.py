@@ -8,7 +8,8 @@ page has the same orders and machines, which a wire tells by cable (host_tools/p
 
 
 def create(kind, number, board, controller, spoken):
-    """`kind`: the class of the machine; `spoken`: the protocol that its link speaks besides, or else that language's package."""
+    """Create the page's protocol for link `number`. `kind`: the class of its machine; `spoken`: the protocol that the link speaks besides, or else
+    that language's package."""
     from passo.protocols import extend_language
     from passo.protocols.page.protocol import Page  # late: this package is imported before each of its modules
 

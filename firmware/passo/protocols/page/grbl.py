@@ -24,7 +24,8 @@ _MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # the origin of a posi
 
 
 def override_of(what, to):
-    """The command that sets an override to a percentage, or changes it by "+10", "-10", "+1", "-1"; None: there is none such."""
+    """The command that sets an override `what` (feed, rapid, spindle) to a percentage, or changes it by "+10", "-10", "+1", "-1"; None: there is no
+    such override or step."""
     value = _OVERRIDES.get(what)
     if value is None or to not in (_RAPID if what == "rapid" else _PERCENT):
         return None
@@ -151,13 +152,13 @@ class GrblPage(PageMachine):
             self.jog.report(position)
 
     def _wait_ms(self):
-        """How long a G4 still lasts."""
+        """The milliseconds that a G4 still lasts, 0: none is under way."""
         if not self._record.busy_with(commands.DWELL):
             return 0
         return max(0, self._dwell - (self._now_ms - self._dwelt_ms) % 0x20000000)
 
     def _follow_settings(self, settings):
-        """See _take_settings()."""
+        """Do nothing: _take_settings() follows the settings' version."""
 
     def settings_texts(self):
         return self.settings
@@ -184,13 +185,13 @@ class GrblPage(PageMachine):
         return self._reset_before(lambda: self.queue_command(Command(commands.UNLOCK)))
 
     def _reset_before(self, say):
-        """Of an alarm that only a reset ends, reset the board first, and say it behind that."""
+        """Call `say()`, in an alarm that only a reset ends behind a reset. Returns 0 or an error."""
         if self._record.alarm not in errors.NEED_RESET:
             return say()
         return self.queue_command(Command(commands.RESET), lambda error: say())
 
     def _queue_line(self, line):
-        """A line of the page's link."""
+        """Queue a line for the G-code of the page's link. Returns 0, or TOO_MANY_WAITING while one is under way."""
         if self._typing:
             return errors.TOO_MANY_WAITING
         self._typing = True
@@ -198,7 +199,7 @@ class GrblPage(PageMachine):
         return 0
 
     def set_work_zero(self, axes):
-        """Work zero of the axes named is here."""
+        """Set the work zero of `axes`, letters, to where the machine stands (G10 L20). Returns 0 or an error."""
         return self.busy_error() or self._queue_line("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
 
     def set_output(self, name, rpm):
@@ -218,15 +219,15 @@ class GrblPage(PageMachine):
         return self.queue_command(command) if command else errors.NUMBER
 
     def go_to(self, position, speed):
-        """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
+        """Jog straight to `position`, {axis: mm} in work coordinates, at `speed` mm/min; hold and STOP end it. Returns 0 or an error."""
         return self.busy_error() or self._jog_to(position, speed, _WORK)
 
     def step_by(self, way, speed):
-        """{axis: mm} from here."""
+        """Jog straight by `way`, {axis: mm}, at `speed` mm/min. Returns 0 or an error."""
         return self.busy_error() or self._jog_to(way, speed, _HERE)
 
     def _jog_to(self, position, speed, counted, answered=None):
-        """A jog to {axis: mm}; `counted`: from where."""
+        """Queue a jog to `position`, {axis: mm}, at `speed` mm/min; `counted`: its origin, _MACHINE, _WORK or _HERE. Returns 0 or an error."""
         nm = {AXES.find(axis): round(position[axis] * 1000) * _NM for axis in position}
         error = self._gcode.jog_to(nm, (round(speed * 10) * 100_000 + 30) // 60, counted)
         return error or self.queue_command(self._gcode.commands[0], answered)

@@ -21,7 +21,7 @@ class Limits:
         self.accelerations = accelerations
 
     def limits_along(self, direction):
-        """(mm/min, mm/s²) of a unit vector, at which no axis goes beyond its own."""
+        """(mm/min, mm/s²) along a unit vector at which each axis stays within its own limits."""
         used = [axis for axis in range(len(direction)) if direction[axis]]
         speed = min([self.speeds[axis] / abs(direction[axis]) for axis in used])
         return speed, min([self.accelerations[axis] / abs(direction[axis]) for axis in used])
@@ -50,7 +50,7 @@ class Jog:
         self.report(position)
 
     def report(self, position):
-        """Queue what is missing ahead of `position` (mm)."""
+        """Queue the next piece if less than the jog needs is queued ahead of `position` (mm)."""
         if not self.active or self.waiting:
             return
         done = sum([(position[axis] - self._start[axis]) * self._way[axis] for axis in range(len(self._way))])
@@ -62,7 +62,7 @@ class Jog:
         self.waiting = self._say(target, self._speed)
 
     def take_answer(self, error):
-        """The board's answer to the last piece; `error` 0: taken. Refused pieces become shorter, up to the limit of the travel."""
+        """Take the answer to the last piece; `error` 0: accepted. Halve the pieces if one was refused, down to _SHORTEST_MM at the travel's end."""
         self.waiting = False
         if not error:
             self._said_mm += self._piece

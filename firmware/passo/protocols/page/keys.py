@@ -49,7 +49,8 @@ class Kit:
         return self._send_key(_OFF[0], 0, "on", False)
 
     def carry_out(self, order, machine):
-        """`motor` 1 or 2, 0: both; `what`: on, off, reverse, speed; `speed`: 1, the fastest, to 127."""
+        """Carry out a page's order: `motor` 1 or 2, 0: both; `what`: on, off, reverse, speed; `speed`: 1, the fastest, to 127. Returns 0 or an error.
+        Raises Wrong."""
         which = int(number_field(order, "motor", 0, KIT_MOTORS))
         what = text_field(order, "what", 8)
         error = machine.refusal()
@@ -121,7 +122,7 @@ class KeysPage(PageMachine):
     hold = resume = home = unlock = PageMachine._refuse_order
 
     def stop(self):
-        """Both off."""
+        """Switch both motors off at once. Returns 0."""
         self.drop_jog()
         return self._kit.switch_off()
 

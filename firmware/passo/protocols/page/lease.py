@@ -32,7 +32,7 @@ class Lease:
         self._beats = [(0, 0)]  # (number, ms), the newest last
 
     def note_beat(self, number, now_ms):
-        """Report `number` has been sent."""
+        """Note that report `number` was sent at `now_ms`; the last _BEATS are kept."""
         self._beats.append((number, now_ms))
         if len(self._beats) > _BEATS:
             self._beats.pop(0)
@@ -45,7 +45,7 @@ class Lease:
         return False
 
     def begin(self, number, beat, now_ms):
-        """True if the lease `number` begins: higher than any before, none under way, and fresh."""
+        """Begin lease `number` and return True, if it is higher than any before, no lease is under way and the holder's `beat` is fresh."""
         if self.is_alive(now_ms) or number <= self.number:
             return False
         self.number = number  # used up, whatever comes of it
@@ -56,7 +56,7 @@ class Lease:
         return True
 
     def renew(self, number, beat, now_ms):
-        """True if lease `number` lives, which holds for LEASE_MS from now."""
+        """Let lease `number` last LEASE_MS from now and return True, if it is alive and the holder's `beat` is fresh."""
         if number != self.number or not self.is_alive(now_ms) or not self.is_fresh(beat, now_ms):
             return False
         self._until_ms = (now_ms + LEASE_MS) & COUNT_MASK
@@ -66,7 +66,7 @@ class Lease:
         self._held = False
 
     def is_alive(self, now_ms):
-        """Whether it lasts. Once it does not, it has ended for good."""
+        """Return whether the lease lasts. Once it has lapsed, it has ended for good."""
         if self._held and ms_since(self._until_ms, now_ms) >= _HALF:
             self._held = False
         return self._held

@@ -49,14 +49,14 @@ def too_deep(text):
 
 
 def order_of(text):
-    """The order in a message. Raises ValueError."""
+    """The order in a message, usually a dict. Raises ValueError if it is no JSON, or too deep."""
     if text.count("{") + text.count("[") > _DEEPEST and too_deep(text):
         raise ValueError(text)
     return json.loads(text)
 
 
 def number_field(order, name, least, most, otherwise=None):
-    """A number of `order` between bounds. Raises Wrong."""
+    """The number in field `name` of an order, from `least` to `most`; `otherwise`: if it is missing. Raises Wrong."""
     value = order.get(name, otherwise)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= most:
         raise Wrong(name)
@@ -64,7 +64,7 @@ def number_field(order, name, least, most, otherwise=None):
 
 
 def text_field(order, name, most):
-    """A text of `order`, printable ASCII. Raises Wrong."""
+    """The text in field `name` of an order, printable ASCII, `most` letters at most. Raises Wrong."""
     value = order.get(name)
     if not isinstance(value, str) or len(value) > most or [code for code in value.encode("utf-8", "surrogatepass") if not 32 <= code <= 126]:
         raise Wrong(name)
@@ -72,7 +72,7 @@ def text_field(order, name, most):
 
 
 def positions_field(order, name, axes):
-    """{axis: mm}. Raises Wrong."""
+    """The positions in field `name` of an order, {axis: mm}, of `axes` only. Raises Wrong."""
     value = order.get(name)
     if not isinstance(value, dict) or not value:
         raise Wrong(name)
@@ -103,7 +103,7 @@ class Orders:
         return {"can": self.page_orders(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
 
     def answer_order(self, order, proven):
-        """The answer to an order. `proven`: its session has the key."""
+        """Carry out an order and return its answer, a dict. `proven`: its session has the key."""
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
             self.machine.lease.number += 1  # every page sees the new number, and ends what it does line by line
@@ -207,7 +207,7 @@ class Orders:
         return {"t": "jobs", "jobs": []}
 
     def _order_play(self, order):
-        """Go on with a job in another way: a step at a time, backward."""
+        """Go on with a job: forward, backward, a step at a time. Returns 0 or an error."""
         return self.machine.refusal() or self.machine.play(text_field(order, "what", 16))
 
     def _order_abort(self, order):

@@ -74,19 +74,19 @@ class PageMachine:
     # --- commands
 
     def queue_command(self, command, answered=None):
-        """Have a command carried out after those before it; answered(error), or else all pages get a refusal."""
+        """Queue a command behind those before it. answered(error) gets its result; without it a refusal goes to all pages. Returns 0 or an error."""
         self.said.append((command, answered))
         return 0
 
     def _queue_pair(self, first, second):
-        """Have `second` carried out once `first` has been: which may drop commands given after it."""
+        """Queue `first`, and `second` once it has been carried out: `first` may drop commands queued behind it. Returns 0 or an error."""
         return self.queue_command(first, lambda error: self.note_result(error) if error else self.queue_command(second))
 
     def pending(self):
         return self.said
 
     def commands(self):
-        """Commands to be carried out, each before the next is asked for."""
+        """Yield the queued commands; the caller carries out each before it asks for the next."""
         while self.said:
             said = self.said.pop(0)
             self.unanswered.append(said)
@@ -112,7 +112,7 @@ class PageMachine:
         return error
 
     def add_stored_jobs(self, order, heard):
-        """The board stores jobs: `order` of them, and `heard(event)`, what comes of it."""
+        """Add the orders for jobs that the board stores. `order(order)` carries one out; `heard(event)` gets the answers to its commands."""
         self.orders["stored"] = order
         self.kinds[commands.JOB] = heard
         self.can = self.can + ("kept",)
@@ -126,7 +126,7 @@ class PageMachine:
     # --- what the machine says
 
     def refresh_state(self, now_ms):
-        """Look at the clock and at the machine: an order counts on the present state. A jog that nobody holds any more ends."""
+        """Take state, owner and alarm from the machine's record, for the next order. Ends a jog that nobody holds any more."""
         record = self._record
         commander = record.commander if record.lender < 0 else record.lender
         self.state["owner"] = "page" if commander == self._number else "guest"
@@ -137,7 +137,7 @@ class PageMachine:
             self.update_jog(now_ms)
 
     def update_jog(self, now_ms):
-        """It is `now_ms`: a jog that nobody holds any more ends."""
+        """Take the time, and end the jog if its lease has lapsed."""
         self._now_ms = now_ms
         if self.jog.active and not self.lease.is_alive(now_ms):
             self.end_jog()
@@ -169,12 +169,12 @@ class PageMachine:
         self._tell({"t": "settings", "axes": self.axes, "settings": self.settings_texts()})
 
     def settings_texts(self):
-        """{number: value as text}; made when it is asked for, to save memory."""
+        """{number: value as text} of all settings; made at each call, to save memory."""
         settings = self._record.settings
         return {number: decimal_text(settings.value(number), settings.places(number)) for number in settings.numbers} if settings else {}
 
     def _show_position(self, steps):
-        """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
+        """Show the position in mm of a machine that reports no speed, and its mean speed in mm/min since the last report. `steps`: of each axis."""
         axes = range(len(self.scale))
         self.position = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
         passed = ms_since(self._now_ms, self._measured_ms)
@@ -210,16 +210,16 @@ class PageMachine:
     # --- messages to pages
 
     def note_beat(self, number):
-        """Report `number` goes out to the pages."""
+        """Note that report `number` goes out to the pages: leases count from it."""
         self.lease.note_beat(number, self._now_ms)
 
     def page_state(self):
-        """The state that pages get."""
+        """Return the state for the pages, a dict, with the newest lease's number."""
         self.state["lease"] = self.lease.number
         return self.state
 
     def log_error(self, number):
-        """A line of the page's log: alarms and refusals."""
+        """Add the number of an alarm or refusal to the page's log, and send it to all pages."""
         self._log.append(number)
         if len(self._log) > _MOST_LOG:
             self._log.pop(0)
@@ -230,7 +230,7 @@ class PageMachine:
         return list(self._log)
 
     def note_result(self, error):
-        """An order has been answered: send a refusal to all pages."""
+        """Note the result of a command: log an error and send it to all pages."""
         self._refused = error
         if error > 0:
             self.log_error(error)
@@ -238,7 +238,7 @@ class PageMachine:
     # --- orders
 
     def refusal(self, by_hand=False):
-        """0, or why the page may not move the machine now: by hand not in an alarm either."""
+        """0, or the error why the page may not order motion now: no link, another link commands, or, `by_hand`, an alarm."""
         if not self.state["link"]:
             return errors.NO_ANSWER
         if self.state["owner"] != "page":
@@ -246,17 +246,17 @@ class PageMachine:
         return errors.LOCKED if by_hand and self.state["state"] == "Alarm" else 0
 
     def is_at_rest(self):
-        """True if nothing moves, as far as is known."""
+        """True if nothing moves by the last report."""
         return self.state["state"] in self.stood
 
     def busy_error(self):
-        """0, or why something may not begin."""
+        """0, or BUSY: a jog, a motion or a command is under way, so nothing else may begin."""
         if self.jog.active or self.state["state"] not in self.stood or [1 for command, _ in self.unanswered if command.kind != commands.JOB]:
             return errors.BUSY
         return 0
 
     def stop(self):
-        """Stop at once, for any page."""
+        """Queue a stop at once, for any page, and forget commands that wait. Returns 0 or an error."""
         self.drop_jog()
         self.said = []
         return self.queue_command(Command(commands.STOP))
@@ -275,38 +275,38 @@ class PageMachine:
         return self.queue_command(Command(commands.UNLOCK))
 
     def hand_over(self, owner):
-        """Hand the command over, at rest: to this page's link, or to the board file's first."""
+        """Hand the command to this page's link, or for "guest" to the board file's first; the machine refuses it in motion. Returns 0 or an error."""
         return self.queue_command(Command(commands.HAND_OVER, value=1 if owner == "guest" else 0))
 
     def abort(self):
-        """Come to a stand, and give up the job that is streamed: there is none."""
+        """Do nothing and return 0: no job is streamed to a board's own page."""
         return 0
 
     def _refuse_order(self, *_):
-        """The language has no word for it."""
+        """Return UNKNOWN_COMMAND: the language has no word for this order."""
         return errors.UNKNOWN_COMMAND
 
     set_work_zero = go_to = step_by = set_override = set_output = run_line = play = run = _refuse_order
 
     def set_setting(self, number, text):
-        """Set and keep a setting, of a board's own page."""
+        """Set and keep setting `number` to a number as text, of a board's own page. Returns 0 or an error."""
         if not self._record.settings:
             return errors.UNKNOWN_COMMAND
         value = parse_thousandths(text)
         return errors.NUMBER if value is None else self.busy_error() or self.queue_command(Command(commands.SETTING, number, value))
 
     def _steps_by(self, way):
-        """The way {axis: mm} in steps."""
+        """The way {axis: mm} in steps of each axis, 0 for others."""
         return [round(way.get(self.axes[axis], 0) * self.scale[axis]) for axis in range(len(self.scale))]
 
     def _steps_to(self, position, at):
-        """The position {axis: mm} in steps; axes that it leaves out stay where they are, `at`."""
+        """The position {axis: mm} in steps of each axis; axes that it leaves out stay `at`, in steps."""
         return [round(position[self.axes[axis]] * self.scale[axis]) if self.axes[axis] in position else at[axis] for axis in range(len(self.scale))]
 
     # --- the jog
 
     def begin_jog(self, number, beat, direction, speed):
-        """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
+        """Begin a continuous jog along `direction` at `speed` mm/min, under lease `number`. Returns 0 or an error."""
         if self.state["state"] not in self.jogs_from or self.jog.waiting or not self._may_jog(direction):
             return errors.BUSY
         if not self.lease.begin(number, beat, self._now_ms):
@@ -335,10 +335,10 @@ class PageMachine:
         self.jog.end()
 
     def _brake(self):
-        """Say that the jog under way ends."""
+        """Queue the command that ends the jog under way."""
 
     def _limits(self):
-        """Of a machine that goes at any of its speeds at once."""
+        """The limits of the jog: no ramps, for a machine that goes at any of its speeds at once."""
         return Limits([_HUGE] * len(self.position), [_HUGE] * len(self.position))
 
     def _queue_jog(self, position, speed):
@@ -346,7 +346,7 @@ class PageMachine:
         return False
 
     def jog_answered(self, error):
-        """The board's answer to a piece of the jog."""
+        """Take the machine's answer to a piece of the jog; `error` 0: accepted. Ends the jog at the end of the travel, or if a piece is refused."""
         if not self.jog.active:
             self.jog.waiting = False
             self._brake()  # the first one may have overtaken this piece

@@ -14,7 +14,7 @@ MOST_PLACE = const(65535)  # steps, as the language of packets has it
 
 
 def jogs_of(board):
-    """{direction: name} of the four keys, by the way that UP goes."""
+    """{direction: name} of the four jogs, (x, y) of -1, 0, 1; the board file's jog.up says where UP goes."""
     up = board["jog"]["up"]
     sign = 1 if up[1] == "+" else -1
     x, y = (0, sign) if up[0] == "y" else (sign, 0)
@@ -60,7 +60,7 @@ class PlotterPage(PageMachine):
     hold = resume = unlock = PageMachine._refuse_order
 
     def _set_pace(self, order):
-        """The drawing speed, in the unit of the board file."""
+        """Set the drawing speed, in the unit of the board file. Returns 0 or an error. Raises Wrong."""
         return self.refusal() or self.busy_error() or self.queue_command(Command(commands.SPEED, value=int(number_field(order, "speed", 1, MOST_PLACE))))
 
     def _move_pen(self, wanted):
@@ -74,13 +74,13 @@ class PlotterPage(PageMachine):
         return self.queue_command(Command(commands.DRAW))
 
     def step_by(self, way, speed):
-        """{axis: mm} from here."""
+        """Move by `way`, {axis: mm}, pen up; `speed` is the drawing's own. Returns 0 or an error."""
         if self._steps is None:
             return errors.BUSY
         return self._move_pen([at + by for at, by in zip(self._steps, self._steps_by(way))])
 
     def go_to(self, position, speed):
-        """{axis: mm}."""
+        """Move to `position`, {axis: mm}, pen up; `speed` is the drawing's own. Returns 0 or an error."""
         if self._steps is None:
             return errors.BUSY
         return self._move_pen(self._steps_to(position, self._steps))
@@ -96,7 +96,7 @@ class PlotterPage(PageMachine):
         self._repeat_jog(0)
 
     def _repeat_jog(self, error):
-        """One after the other, as long as it is held."""
+        """Queue the next jog behind the answer to the last one, as long as the button is held. `error`: of the answer; 0: accepted."""
         if not self.jog.active:
             return
         if error:

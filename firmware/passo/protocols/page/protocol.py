@@ -56,17 +56,17 @@ class Page:
         self.first_message = self._orders.first_message  # hello(): a page's first message, a dict
 
     def add_jobs(self, jobs_of):
-        """The board stores jobs."""
+        """Add the jobs that the board stores. `jobs_of`: the class StoredJobs of options/jobs/language_page.py."""
         self._jobs = jobs_of(self._machine, self.tell, self._language)
 
     def tell(self, event):
-        """Something for every page, a dict."""
+        """Queue a message for every page, a dict."""
         self._messages.append(bytes((TOLD, FREE)) + json.dumps(event).encode())
 
     # --- messages to commands
 
     def feed(self, data, now_ms):
-        """Commands, each to be carried out before the next is asked for."""
+        """Take a message of the server, and yield its commands; the caller carries out each before it asks for the next."""
         machine = self._machine
         if not data and not (machine.jog.active or self._messages or machine.pending()):
             return ()
@@ -117,7 +117,7 @@ class Page:
         yield self._hello
 
     def _new_commands(self, now_ms):
-        """Yield the new commands, and those of a jog."""
+        """Yield the commands that wait, and a status question each _JOG_ASK_MS of a jog."""
         machine = self._machine
         if machine.jog.active and ms_since(now_ms, self._asked_ms) >= _JOG_ASK_MS:
             self._asked_ms = now_ms
@@ -152,7 +152,7 @@ class Page:
         return b""
 
     def _show_report(self, report):
-        """Show a report, and tell it if pages want it."""
+        """Take a report into the machine's state, and queue the state if pages want it."""
         machine = self._machine
         machine.report(report)
         if not self._wanted:

@@ -72,7 +72,7 @@ class PulsesPage(PageMachine):
             self.jog.report(self.position)
 
     def _file_moves(self, name):
-        """True if what moves is the file; `name`: of the state."""
+        """True if the motion is the file's. `name`: of the machine's state."""
         if name != "run" and name != "hold":
             self._playing = False
         return self._playing or self.runs_stored()
@@ -104,11 +104,11 @@ class PulsesPage(PageMachine):
         return self._move_by_hand(steps, None) if [part for part in steps if part] else 0
 
     def step_by(self, way, speed):
-        """{axis: mm} from here."""
+        """Move by `way`, {axis: mm}, one axis after the other, at the speed in force. Returns 0 or an error."""
         return self._move_steps(self._steps_by(way))
 
     def go_to(self, position, speed):
-        """{axis: mm}, one axis after the other."""
+        """Move to `position`, {axis: mm}, one axis after the other, at the speed in force. Returns 0 or an error."""
         if self._steps is None:
             return errors.BUSY
         wanted = self._steps_to(position, self._steps)
@@ -144,11 +144,11 @@ class PulsesPage(PageMachine):
     # --- orders
 
     def busy_error(self):
-        """A hold may come amid commands without an answer."""
+        """0, or BUSY while something moves; commands under way do not count, because a hold may come amid them."""
         return errors.BUSY if self.jog.active or not self.is_at_rest() else 0
 
     def stop(self):
-        """Stop at once: the file is at its start then, the tool off."""
+        """Queue a stop at once: the file goes to its start, the tool off. Returns 0 or an error."""
         self._cut = self._releasing = False
         return PageMachine.stop(self)
 
@@ -156,7 +156,8 @@ class PulsesPage(PageMachine):
         return self.play("run")
 
     def play(self, what):
-        """Go on with the file: run, back, step, step_back; after moves by hand return or continue, each also _back."""
+        """Go on with the file. `what`: run, back, step, step_back; after moves by hand return or continue, each also with _back.
+        Returns 0 or an error."""
         verb, _, back = ("run_back" if what == "back" else what).partition("_")
         if verb not in _PLAYS or back not in ("", "back"):
             return errors.UNKNOWN_COMMAND
@@ -167,7 +168,7 @@ class PulsesPage(PageMachine):
         self.note_result(error)
 
     def _set_pace(self, order):
-        """mm/min from now on, up to the file's next speed."""
+        """Set the speed in mm/min, until the file's next speed. Returns 0 or an error. Raises Wrong."""
         command = Command(commands.STEP_PROGRAM, None, commands.STEPS_PACE)
         command.feed = int(number_field(order, "speed", 1, _FASTEST))
         return self.refusal() or self.queue_command(command)

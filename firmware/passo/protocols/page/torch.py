@@ -32,25 +32,25 @@ def can_of(board):
 
 
 def straight_speeds(steps, scale, speed):
-    """Steps/s of both axes that lead `steps` straight, at `speed` mm/min; None: there is no way to go."""
+    """The steps/s of both axes at which they go `steps` along a straight line at `speed` mm/min; None: both have no steps."""
     way = [steps[axis] / scale[axis] for axis in range(2)]
     length = sum([part * part for part in way]) ** 0.5
     return [max(1, round(abs(steps[axis]) * speed / 60 / length)) for axis in range(2)] if length else None
 
 
 def _speed_of(order, name, scale):
-    """A speed of `order` in mm/min, as steps/s."""
+    """The speed in field `name` of an order, mm/min, as steps/s. `scale`: steps/mm. Raises Wrong."""
     return max(1, round(number_field(order, name, 0.1, 50_000) * scale / 60))
 
 
 def move_of(order, scale):
-    """(steps, steps/s) of a move with a speed of each axis, in mm/min."""
+    """(steps, steps/s) of both axes, of an order to move by mm with a speed of each axis in mm/min. Raises Wrong."""
     by = positions_field(order, "by", "xy")
     return [round(by.get("xy"[axis], 0) * scale[axis]) for axis in range(2)], [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
 
 
 def preferences_of(order, scale):
-    """(steps of a jog, default steps/s) of both axes: mm, and mm/min."""
+    """(steps of a jog, default steps/s) of both axes, of an order with mm and mm/min. Raises Wrong."""
     jogs = [round(number_field(order, "jog" + "xy"[axis], 0.001, _MOST_JOG_MM) * scale[axis]) for axis in range(2)]
     speeds = [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
     if [jog for jog in jogs if not jog]:
@@ -59,7 +59,7 @@ def preferences_of(order, scale):
 
 
 def preferences_message(jogs, speeds, scale):
-    """Return them as a page's message."""
+    """The message with the preferences for a page: jogs in mm, speeds in mm/min. `jogs`: steps, `speeds`: steps/s, `scale`: steps/mm."""
     return {
         "t": "preferences", "do": "preferences", "error": 0, "scale": scale[:2],
         "jog": [round(jogs[axis] / scale[axis], 3) for axis in range(2)],
@@ -68,8 +68,8 @@ def preferences_message(jogs, speeds, scale):
 
 
 def seam_of(order, scale):
-    """(spec of a weave, steps to the end from here, µm/s, steps to the centre or (0, 0)) of a seam to (x, y) mm; `centre`: it is an arc
-    about that position, also from here."""
+    """(spec of a weave, steps to the end from here, µm/s, steps to the centre or (0, 0)) of an order for a seam to (x, y) mm from here; its field
+    `centre` makes it an arc about that position. Raises Wrong."""
     if text_field(order, "shape", 12) not in _SHAPES:
         raise Wrong("shape")
     to = positions_field(order, "to", "xy")
@@ -140,7 +140,7 @@ class TorchPage(PageMachine):
         return self._queue_pair(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
 
     def _run_axes(self, steps, speeds, when, answered=None):
-        """Run `steps` of each axis, 0: not at all."""
+        """Queue a motion of `steps` at steps/s `speeds` of each axis; `when`: AT_REST or AS_JOG. Returns 0 or an error."""
         error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
         return error or self.queue_command(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
 
@@ -151,11 +151,11 @@ class TorchPage(PageMachine):
         return self._run_axes(steps, speeds, AT_REST) if speeds else 0
 
     def step_by(self, way, speed):
-        """{axis: mm} from here."""
+        """Move straight by `way`, {axis: mm}, at `speed` mm/min. Returns 0 or an error."""
         return self._run_straight(self._steps_by(way), speed)
 
     def go_to(self, position, speed):
-        """{axis: mm}, straight."""
+        """Move straight to `position`, {axis: mm}, at `speed` mm/min. Returns 0 or an error."""
         if self._steps is None:
             return errors.BUSY
         wanted = [round(position.get("xy"[axis], self.position[axis]) * self.scale[axis]) for axis in range(2)]
@@ -176,7 +176,7 @@ class TorchPage(PageMachine):
         return 0
 
     def _send_preferences(self, said, scale, found):
-        """Say the commands one by one, as long as none is refused; then all of it counts."""
+        """Queue the commands one by one, as long as none is refused; then keep scale and preferences."""
 
         def take_answer(error):
             if error:
@@ -190,7 +190,7 @@ class TorchPage(PageMachine):
         self.queue_command(said[0], take_answer)
 
     def _tell_preferences(self, order):
-        """The preferences as this page knows them."""
+        """Return the message with the preferences that this page knows."""
         return preferences_message(self._jogs, self._speeds, self.scale)
 
     def _set_origin(self, order):
