@@ -251,7 +251,7 @@ class Panel:
             # As the report came: behind a key, lines are answered before the next report says that the stand is over.
             self._line = max(self._line, self._numbers[min(self._client.answered_then, len(self._numbers) - 1)])
         self._take_pipe_keys()
-        if self._asked and self._client.silent():
+        if self._asked and self._client.is_silent():
             raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))
         if now - self._asked >= _STATUS_S:
             self._asked = now

@@ -226,7 +226,7 @@ def bridge(
         print_port(line)
         try:
             while True:
-                made.turn(_TURN_MS)
+                made.carry_bytes(_TURN_MS)
                 if line.consent:
                     line.consent.poll()
         finally:

@@ -413,7 +413,7 @@ class Load:
             papers = min(due + len(self.names), total - _RESERVE * len(faults)) - done - under_way - self.free
             self.people(max(papers, 0 if under_way or self.free else 1))
             time.sleep(0.2)
-        raise AssertionError(f"not done in {limit_s} s: {self.book.count_states()}, {[(name, told.get('how'), told.get('state'), told.get('text')) for name, told in self.desk.machines.items()]}")
+        raise AssertionError(f"not done in {limit_s} s: {self.book.count_states()}, {[(name, told.get('how'), told.get('state'), told.get('text')) for name, told in self.dispatcher.machines.items()]}")
 
     def drawn(self):
         """{machine: (numbers, steps drawn twice, faults)}, from the traces."""

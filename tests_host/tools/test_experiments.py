@@ -235,7 +235,7 @@ class Interrupted(GrblClient):
 
     def command(self, line, timeout_s=None):
         if line.startswith("$HR"):
-            self._say(line.encode())
+            self._send_line(line.encode())
             while self.ask_status()["state"] != "Home":
                 pass
             raise KeyboardInterrupt

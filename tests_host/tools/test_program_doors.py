@@ -113,9 +113,9 @@ def test_letters_in_comments_cost_nothing(part, store, tmp_path):
     check.check(part, "router_3axis", None, None)
     assert stored_job.gcode_job(part) == b"\nN2G21G91\nN3G1X1F600\nN4M2\n"
     assert store.put_job("a.nc", text) == 0 and store.lines_of("a.nc") == [(2, b"N2G21G91"), (3, b"N3G1X1F600"), (4, b"N4M2")]
-    assert Jobs({"a.nc": text}, "grbl").lines("a.nc") == store.lines_of("a.nc")
+    assert Jobs({"a.nc": text}, "grbl").lines_of("a.nc") == store.lines_of("a.nc")
     assert uploads.job_of("a.nc", text.encode(), "corexy_plotter")[1].decode() == text
-    assert Jobs({"a.nc": MINUS}, "grbl").lines("a.nc") == {"error": errors.JOB_LINE, "line": 3, "text": ""}
+    assert Jobs({"a.nc": MINUS}, "grbl").lines_of("a.nc") == {"error": errors.JOB_LINE, "line": 3, "text": ""}
     for line in (b"G1X1\xe2\x88\x92", "$I=Fräse".encode()):
         with pytest.raises(Refused, match="only ASCII"):
             GrblClient._send_line(None, line)
