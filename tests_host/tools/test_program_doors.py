@@ -220,7 +220,7 @@ def test_a_job_changes_no_setting(line, door, part, store):
 class Machine:
     state = {"state": "Idle"}
 
-    def still(self):
+    def busy_error(self):
         return 0
 
 
