@@ -23,6 +23,7 @@ SHORT_UM = 866  # on each of three axes: 1.5 mm
 
 
 def _percentile_99(values):
+    """Return the value that 99 % of the values do not exceed."""
     return sorted(values)[-(-len(values) * 99 // 100) - 1]
 
 

@@ -129,6 +129,7 @@ def _boot_frozen(board, uf2):
 
 
 def _first_ms(machine, language):
+    """Return the ms from power-on to the first answer, "–" if the language has no question."""
     if language not in _FIRST:
         return "–"
     question, answer = _FIRST[language]

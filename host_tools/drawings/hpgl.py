@@ -91,6 +91,7 @@ class HpglFile:
         return page
 
     def _place_line(self, line):
+        """Return a line's positions in px of the page, y down."""
         return (line.real - self._left) * UNIT_PX + 1j * (self.size_px[1] - (line.imag - self._bottom) * UNIT_PX)
 
     def _place_area(self, area):

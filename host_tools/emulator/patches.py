@@ -36,7 +36,7 @@ def pio(chip):
 
 
 def dma_pacing(chip):
-    """A pacing timer makes X/Y transfers a cycle; rp2040py has the fraction upside down, and the fourth timer worse."""
+    """Make X/Y transfers a cycle by a pacing timer; rp2040py has the fraction upside down, and the fourth timer worse."""
     dma = chip.dma
 
     def microseconds(request):
@@ -48,13 +48,13 @@ def dma_pacing(chip):
 
 
 def dma_write_only(chip):
-    """Write-only registers read as 0, so that setting one bit of CHAN_ABORT aborts one channel, not all of them."""
+    """Read write-only registers as 0, so that setting one bit of CHAN_ABORT aborts one channel, not all of them."""
     stock = chip.dma.read_uint32
     chip.dma.read_uint32 = lambda offset: 0 if offset in _DMA_WRITE_ONLY else stock(offset)
 
 
 def pwm_request(chip):
-    """A PWM slice asks DMA for one transfer a wrap; in rp2040py the request stays on after the first."""
+    """Ask DMA for one transfer at each wrap of a PWM slice; in rp2040py the request stays on after the first."""
     pwm = chip.pwm
 
     def wrap(index):
@@ -67,7 +67,7 @@ def pwm_request(chip):
 
 
 def timer_alarms(chip):
-    """A timer alarm fires as the count reaches it; rp2040py rounds the wait down, and is up to 1 µs early."""
+    """Fire a timer alarm as the count reaches it; rp2040py rounds the wait down, and is up to 1 µs early."""
     timer = chip.timer
     stock = timer.write_uint32
 

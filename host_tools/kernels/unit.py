@@ -42,7 +42,7 @@ class Unit:
         return f"{first}{runtime}\n{heads}\n{bodies}ONCE void define_all(context_t at, object_t arrays, intptr_t away) {{\n{stores}}}\n"
 
     def pc_text(self, runtime):
-        """Instead of that, for a library of a PC: a function pc_… for each kernel that Python calls."""
+        """Return the C for a library of a PC: a function pc_… for each kernel that Python calls."""
         heads, bodies, wrapped = self._c_parts()
         heads += "".join(f"const char {each.wrapper_name()}[1];  // stands for the kernel, given as an argument\n" for each in wrapped)
         return f"{runtime}\n{heads}\n{bodies}" + "".join(each.pc_function() for each in self.called)

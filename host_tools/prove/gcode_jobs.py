@@ -9,7 +9,7 @@ from math import cos, pi, sin
 
 
 def relief():
-    """A surface in scan lines of short 3-axis moves, up and down by turns."""
+    """Return a surface in scan lines of short 3-axis moves, up and down by turns."""
     lines = ["G21 G90", "G0 Z1", "G0 X0 Y0", "M3 S12000", "G1 Z0 F400"]
     for row in range(5):
         columns = range(37) if row % 2 == 0 else range(36, -1, -1)
@@ -20,7 +20,7 @@ def relief():
 
 
 def engraving():
-    """Letters of short strokes, with rapid moves between them."""
+    """Return letters of short strokes, with rapid moves between them."""
     lines = ["G21 G90 F900", "G0 Z0.5"]
     for letter in range(9):
         left = letter * 2.2
@@ -33,7 +33,7 @@ def engraving():
 
 
 def arcs():
-    """Arcs of many radii, both ways, by IJ and by R, and whole circles."""
+    """Return arcs of many radii, both ways, by IJ and by R, and whole circles."""
     lines = ["G21 G90 F1200", "G0 X20 Y20"]
     for number in range(1, 7):
         radius = number * 0.37
@@ -44,7 +44,7 @@ def arcs():
 
 
 def helices():
-    """Thread milling: helices of a part of a turn to several turns, in every plane."""
+    """Return thread milling: helices of a part of a turn to several turns, in every plane."""
     lines = ["G21 G90 F800", "G0 X5 Y5 Z0"]
     for turns in range(1, 4):
         lines += ["G3 X5 Y5 Z-%d I1.5 J0 P%d" % (turns, turns), "G2 X5 Y5 Z0 I-0.8 J0.4 P%d" % turns]
@@ -53,7 +53,7 @@ def helices():
 
 
 def laser_raster():
-    """A picture in lines of dots, each with its own power, which follows the speed."""
+    """Return a picture in lines of dots, each with its own power, which follows the speed."""
     lines = ["G21 G90 M4 S0", "G0 X1 Y1"]
     for row in range(4):
         columns = range(1, 41) if row % 2 == 0 else range(39, -1, -1)
@@ -65,7 +65,7 @@ def laser_raster():
 
 
 def tiny():
-    """A spiral of segments far shorter than the way to a stand."""
+    """Return a spiral of segments far shorter than the way to a stand."""
     lines = ["G21 G90 G1 F2400"]
     for number in range(600):
         angle = number * 0.05
@@ -74,20 +74,20 @@ def tiny():
 
 
 def drilling():
-    """Holes by the canned cycle, with both ways back, dwells, and a tool change's offset."""
+    """Return holes by the canned cycle, with both ways back, dwells, and a tool change's offset."""
     lines = ["G21 G90", "G0 Z4", "M3 S3000", "G98 G81 X2 Y2 Z-3 R1 F200", "X4", "X6 Y3", "G99 X8", "X10 Y2", "G80"]
     return [*lines, "G4 P0.05", "G43.1 Z1.5", "G98 G81 X4 Y6 Z-2 R2", "G91 X2 Z-4 R2.5 L3", "G90 G80", "G49", "G0 Z4", "M5", "M30"]
 
 
 def units():
-    """Inches, inverse time, relative moves, work offsets, G28 and G92."""
+    """Return inches, inverse time, relative moves, work offsets, G28 and G92."""
     lines = ["G20 G90 G94 F20", "G1 X0.5 Y0.25", "G93 G1 X0.75 F30", "X0.5 F60", "G94 G21 F700", "G91 G1 X3.333 Y-1.111"]
     lines += ["X0.001", "X0.001", "X0.001 Z-0.777", "G90 G10 L2 P2 X4 Y4 Z1", "G55 G1 X0 Y0 Z0", "G92 X1 Y1", "X2 Y2"]
     return [*lines, "G92.1 G54", "G28.1", "G1 X9 Y1", "G28 X5", "G53 G0 X1 Y1", "G1 X2 F90 Y2", "G0 X0 Y0 Z0"]
 
 
 def reversals():
-    """Back and forth along each axis and each diagonal, corners of every angle."""
+    """Return moves back and forth along each axis and each diagonal, with corners of every angle."""
     lines = ["G21 G90 F3000"]
     for number in range(1, 30):
         angle = number * 2.4
@@ -96,7 +96,7 @@ def reversals():
 
 
 def slow():
-    """Below a step a millisecond, and a few steps at a time."""
+    """Return moves below a step a millisecond, and a few steps at a time."""
     lines = ["G21 G91 F6"]
     for number in range(1, 30):
         lines.append("G1 X%.4f Y%.4f Z-%.4f" % (0.003 * number, 0.02 / number, 0.0025 * (number % 3)))
@@ -104,7 +104,7 @@ def slow():
 
 
 def smooth():
-    """Limited jerk: ramps inside lines, over a spiral of tiny ones, on arcs and a helix, and at another jerk."""
+    """Return a job of limited jerk: ramps inside lines, over a spiral of tiny ones, on arcs and a helix, and at another jerk."""
     lines = ["$141=30000", "G21 G90", "G0 X20 Y12 Z-3", "G0 X5", "G1 F2400 X0 Y0"]
     lines += tiny()[1:200]
     lines += ["X0 Y4", "G2 X4 I2 F1500", "G3 X4 Y4 Z-2 I3 J1 P2", "G4 P0.1"]
@@ -113,7 +113,7 @@ def smooth():
 
 
 def star(points=7, centre=(40, 40), size=30):
-    """Strokes in every direction from a middle and back, their ends joined, a circle around them: for two motors on one belt."""
+    """Return strokes in every direction from a middle and back, their ends joined, a circle around them: for two motors on one belt."""
     x, y = centre
     ends = [(x + size * cos(2 * pi * k / (2 * points)), y + size * sin(2 * pi * k / (2 * points))) for k in range(2 * points)]
     lines = ["G21 G90 G17 F6000", "G0 X%d Y%d" % centre]
@@ -125,7 +125,8 @@ def star(points=7, centre=(40, 40), size=30):
 
 
 def backlash_job():
-    """Turn round axes with lost motion in every way: zigzags, circles in every plane, helices, short lines, one axis alone, inverse time."""
+    """Return a job that turns round axes with lost motion in every way: zigzags, circles in every plane, helices, short lines, one axis alone,
+    inverse time."""
     lines = ["G21 G90 G17 F1500", "G0 X20 Y20 Z-5", "M3 S1000"]
     lines += ["G1 X%.3f Y%.3f Z%.2f" % (20 + k / 2, 20 + k % 2 * 1.5, -5 - k % 3 / 4) for k in range(30)]
     lines += ["G1 X35 Y20 Z-5", "G2 X35 Y20 I5 J0", "G3 X35 Y20 I-3 J2 Z-6 P2", "G18 G2 X35 Z-6 I2 K1", "G19 G3 Y20 Z-6 J1 K-2", "G17"]
@@ -135,7 +136,8 @@ def backlash_job():
 
 
 def table():
-    """A rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals."""
+    """Return a job of a rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals.
+    Return a job of a rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals."""
     lines = ["G21 G90 G17 F900", "G0 X2 Y1 A-8", "M3 S1000", "G1 Z-0.3 A4 F300", "X4 A22 F600", "Y2.5 Z-0.6 A10", "A31 F3000", "A30.98"]
     lines += ["X%.3f A%.3f" % (4 + k / 40, 30 + 6 * sin(k / 3)) for k in range(25)]
     lines += ["G2 X5 Y2 R0.6", "G3 X6 Z-0.2 R0.8", "G93 G1 X5 A20 F60", "A26 F120", "G94 F400", "G92 A0", "G1 A5 X5.5", "G92.1"]
@@ -143,14 +145,15 @@ def table():
 
 
 def belt():
-    """A small star(), whose motors now share the work, now leave it to one; arcs, and lines of a step or two."""
+    """Return a small star(), whose motors now share the work, now leave it to one; arcs, and lines of a step or two."""
     lines = [line for line in star(5, (6, 6), 2) if not line.startswith("G0 X0")]
     lines += ["G1 X%.4f Y%.4f F3000" % (5 + k / 80, 7 + k * k % 7 / 80) for k in range(30)]
     return [*lines, "G93 G1 X5 Y8 F200", "G94", "G91 G2 X1 Y1 R0.9 F4000", "G3 X0 Y0 I-0.5 J0.25", "G90 G0 X0 Y0"]
 
 
 def short_backlash_job():
-    """backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
+    """Return backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone.
+    Return backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
     lines = ["G21 G90 G17 F1200", "G0 X2 Y2 Z-1", "M3 S1000"]
     lines += ["X%.3f Y%.3f Z%.2f" % (2 + k / 8, 2 + k % 2 / 2, -1 - k % 3 / 10) for k in range(12)]
     lines[3] = "G1 " + lines[3]

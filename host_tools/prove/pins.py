@@ -69,6 +69,7 @@ def check_enable(proof):
 
 
 def chip_mhz(proof):
+    """Return the system clock of the board's chip, in MHz."""
     return int(proof.board.exec("print(machine.freq())")) / 1e6
 
 

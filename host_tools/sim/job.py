@@ -73,9 +73,9 @@ def _job_blocks(lines):
 
 class VirtualJob:
     def __init__(self, board, changes=(), zero=None, start=None, drawn=True, inside=False):
-        """`changes`: lines carried out first, as text; `zero`: mm from machine zero, a figure an axis; `start`: the same of
-        where the machine stands; `drawn`: False keeps no path; `inside`: the firmware runs in this process. Raises Failure if
-        the board file cannot be used, or `zero` is not on the machine."""
+        """`board`: a name or a path; `changes`: lines carried out first, as text; `zero`: mm from machine zero, a figure an axis; `start`: the same
+        of where the machine stands; `drawn`: False keeps no path; `inside`: the firmware runs in this process. Raises Failure if the board file
+        cannot be used, or `zero` is not on the machine."""
         from passo.config.boardfile import BoardError, check
         from passo.machine_builder import make_drive
 
@@ -147,7 +147,7 @@ class VirtualJob:
             found.append(row)
 
     def _missing_axis(self, line):
-        """The first axis that `line` names and the machine has not, or None."""
+        """Return the first axis that `line` names and the machine has not, or None."""
         names = [axis["name"].upper() for axis in self.board["axes"]]
         return next((name for name in re.findall("([XYZA])[-+.0-9]", line) if name not in names), None)
 
@@ -210,7 +210,7 @@ class VirtualJob:
             raise trouble[0]
 
     def _take_frame(self):
-        """Take one frame of the runner; returns its kind. Raises Failure."""
+        """Take one frame of the runner; return its kind. Raises Failure."""
         stream = self._process.stdout
         header = stream.read(struct.calcsize(job_runner.HEADER))
         if len(header) < struct.calcsize(job_runner.HEADER):
@@ -229,7 +229,7 @@ class VirtualJob:
         return kind
 
     def _failure_of(self, line, said):
-        """The Failure of a runner's message, which says why a job cannot go on."""
+        """Return the Failure of a runner's message, which says why a job cannot go on."""
         text, *values = said
         why = Failure(text, *(_(value) if isinstance(value, str) else value for value in values))
         return Failure("{}, {}", self.origin(line), why) if line else why
@@ -252,7 +252,7 @@ class VirtualJob:
         return self.track.high
 
     def excess_text(self, number):
-        """A text if the job is longer than the travel of that axis, else ""."""
+        """Return a text if the job is longer than the travel of axis `number`, else ""."""
         axis = self.board["axes"][number]
         if is_endless(self.board, axis):
             return ""
@@ -264,5 +264,5 @@ class VirtualJob:
         return _("{} goes {:.1f} of {:.1f} mm", axis["name"].upper(), length, travel)
 
     def beyond_travel(self):
-        """How it is longer than the machine's travel, as text; "": it is not."""
+        """Return how the job is longer than the machine's travel, as text; "": it is not."""
         return ", ".join(text for text in map(self.excess_text, range(len(self.steps_per_mm))) if text)

@@ -388,6 +388,7 @@ class Plant:
         return self._decoders[axis]
 
     def _move_carriage(self, tick, carriage, steps):
+        """Move a carriage by steps, if the drivers are enabled and listen to this board; return True if it moved."""
         if not self.enabled:
             self.report(tick, f"{carriage.name} stepped while the drivers are disabled")
             return False
@@ -412,6 +413,7 @@ class Plant:
         return self._actives[name]
 
     def _barrier_level(self, barrier, tick):
+        """Return the electrical level of a barrier's output at `tick`."""
         return self._actives[barrier.name] ^ (not barrier.is_active(tick))
 
     def _show_barrier(self, tick, barrier):

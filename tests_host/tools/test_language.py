@@ -33,12 +33,12 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "RefusedLi
          "ProgramError": 1, "_misfit_error": 2}  # fmt: skip
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
-    "shop/home_assistant.py": ("discovery",),
+    "shop/home_assistant.py": ("discovery_messages",),
     "language.py": ("_", "translate_help", "error_text", "reword_text", "count_text"), "failure.py": ("message", "reason"), "sim/job.py": ("_failure_of",),
     "programs/compensation.py": ("_misfit_error",), "programs/file_kinds.py": ("refuse_others",), "programs/program_makers.py": ("advice_for",), "programs/program_errors.py": ("message",), "programs/ngc/interpreter.py": ("_group_codes",),
-    "programs/calibration.py": ("read", "_parse_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
+    "programs/calibration.py": ("read", "_parse_row"), "clients/setting_names.py": ("describe_line",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("as_panel",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
-    "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
+    "clients/plotter.py": ("_check_status",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
     "prove/proof.py": ("parts", "_part", "judge"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("report_table",),
     "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section_html", "_sources_html", "author_text"), "experiments/authors.py": ("text",),
     "experiments/drawing.py": ("run", "_add_picture"), "experiments/lines.py": ("run",), "experiments/places.py": ("title",),
