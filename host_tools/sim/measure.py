@@ -55,8 +55,8 @@ def _parse_row(path, line, fields):
 
 
 def measure_drawing(rows, points, start=(0, 0)):
-    """Compare the end of a trace with the object [(pen_down, x, y), ...] drawn from `start`; return a Result, in steps. Raises Failure if the trace
-    is too short."""
+    """Compare the end of a trace with the object [(pen_down, x, y), ...] drawn from `start`; return a Result, in steps. A trace that is too short is
+    one of its faults."""
     legs = []
     position = start
     for pen_down, x, y in points:

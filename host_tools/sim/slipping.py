@@ -67,7 +67,7 @@ class Slipping:
         self._often = often
 
     def _motors_of(self, places):
-        """Return the motors' positions of axes' positions, in steps; twice that, the other way round, on a belt (CoreXY)."""
+        """Turn axes' positions into motors' positions, in steps. On a belt (CoreXY) a second call turns them back, times two."""
         x, y = places[:2]
         return [x + y, x - y] + list(places[2:]) if self._belt else list(places)
 
