@@ -51,6 +51,7 @@ def _with_wire(kind):
             self._presence = bool(board and board.get("network") and board["network"]["presence"])
 
         def queue_command(self, command, answered=None):
+            """Queue a command and send it if the wire can take it. Returns 0, or TOO_MANY_WAITING if _MOST wait."""
             if len(self.said) >= _MOST:
                 return errors.TOO_MANY_WAITING
             kind.queue_command(self, command, answered)
@@ -109,6 +110,7 @@ def _with_reports(kind):
             self._asking = False
 
         def feed(self, data, now_ms):
+            """Take bytes of the board, then send waiting commands."""
             self._now_ms = now_ms
             self.wire.feed(data, now_ms)
             self.send_waiting()
@@ -132,6 +134,7 @@ def _with_reports(kind):
             self.send_waiting()
 
         def report(self, report):
+            """Take a report, a dict as the board's own page has it: the link is up; raise a new alarm; call watcher(state)."""
             self._asking = False
             self.state["link"] = True
             self.late += report.get("error") == errors.WORDS_LATE
@@ -148,6 +151,7 @@ def _with_reports(kind):
             return (report["error"] or self._record.alarm or errors.NUMBER) if report["state"] == "alarm" else 0
 
         def raise_alarm(self, number):
+            """Show alarm `number`, drop the jog and log the number."""
             self._record.alarm = self.state["alarm"] = number
             self.drop_jog()
             self.log_error(number)

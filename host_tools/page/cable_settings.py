@@ -117,12 +117,14 @@ def with_settings(kind):
             return self.settings
 
         def set_setting(self, number, text):
+            """Set setting `number` to a number as text. Returns 0 or an error; the board's answer goes to note_result()."""
             value = parse_thousandths(text)
             if value is None:
                 return errors.NUMBER
             return self.busy_error() or self.queue_command(Command(commands.SETTING, number, value), self.note_result)
 
         def poll(self, now_ms):
+            """Do the page's work, and ask the next question about settings while the machine stands and no command is under way."""
             kind.poll(self, now_ms)
             question = self._questions.next_question()
             rests = self.state["link"] and self.state["state"] in _RESTING and not self.jog.active and not self.said and not self.unanswered

@@ -48,6 +48,7 @@ class GrblMachine(_Cabled):
     # --- the board
 
     def poll(self, now_ms):
+        """Do the page's work; ask for options and settings once the machine stands, if they are not known."""
         if self.state["link"] and not self._known and self.is_at_rest() and self.wire.has_room(len(b"$I\n$$")):
             if self.options is None:
                 self.turns = self.rotary = ""
@@ -69,18 +70,21 @@ class GrblMachine(_Cabled):
         self._tell({"t": "settings", "axes": self.axes, "settings": self.settings, "turns": self.turns})
 
     def lose_board(self):
+        """Forget settings, position and work offset, which may be another board's from now on."""
         _Cabled.lose_board(self)
         self.settings = {}
         self._more = []
         self.position = self._offset = None
 
     def note_silence(self):
+        """Ask for options and settings anew once the board answers again."""
         self._known = False
         self.options = self._letters = None
         self._doubts = 0
         _Cabled.note_silence(self)
 
     def _take_line(self, line, owner):
+        """Take a line that is no answer: report, setting, alarm, banner or message. `owner`: whose line is under way, PAGE, GUEST or None."""
         if line[:1] == "<" and line[-1:] == ">":
             try:
                 self._take_report(fields_of(line))
@@ -140,6 +144,7 @@ class GrblMachine(_Cabled):
         return number if number > errors.ALARM_LOCKED else self._record.alarm
 
     def _show_fields(self, report):
+        """Show the fields of grbl's report: position in mm, feed in mm/min, spindle in rpm, overrides; pass it to jog and job."""
         state, fields = self.state, report["fields"]
         name, sub = state["state"], report["substate"]
         if name != "Hold":
@@ -176,6 +181,7 @@ class GrblMachine(_Cabled):
         self.state["wait"] = self._wait_ms / 1000 if stands else 0
 
     def _take_positions(self, fields):
+        """Take machine and work position in mm from MPos or WPos, and the work offset from WCO, which only some reports have."""
         if "WCO" in fields:
             self._offset = [float(part) for part in fields["WCO"].split(",")]
         told = [float(part) for part in fields.get("MPos", fields.get("WPos", "0")).split(",")]
@@ -202,6 +208,7 @@ class GrblMachine(_Cabled):
         return error
 
     def _answer_typed(self, error, line=b""):
+        """Show the answer to a typed line on all pages: ok, or the error with its cause. `line`: bytes, for the cause."""
         self.note_result(error)
         if error != LOST:
             text = error and self.cause and self.cause(error, line)
@@ -231,6 +238,7 @@ class GrblMachine(_Cabled):
         return float(self.settings.get(number, "1"))
 
     def set_setting(self, number, text):
+        """Set a setting, and read all settings again. Returns 0 or an error."""
         error = GrblPage.set_setting(self, number, text)
         self._known = False
         return error

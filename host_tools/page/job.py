@@ -143,6 +143,7 @@ class Job:
         return self._failed_line or self._lines[self._done - 1][0] if self._lines and self._done else 0
 
     def _count_answer(self, error):
+        """Count the answer to a line of the job; at its first error hold the machine, or end a checked job."""
         if error == LOST or self._lines is None:
             return
         self._done += 1
@@ -167,6 +168,7 @@ class Job:
         self._machine.state["job"] = self.job_fields(how, error)
 
     def job_fields(self, how, error):
+        """The job's fields for the state, a dict. `how`: "run", "done" or "failed"; `error`: its number."""
         return {
             "name": self.name, "how": how, "error": error, "line": self.line_number(), "lines": len(self._lines), "done": self._done,
             "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self._single,

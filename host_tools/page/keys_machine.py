@@ -25,6 +25,7 @@ class KeysMachine(_Cabled):
         self.wire.write(key)
 
     def note_port(self, is_open):
+        """Note that the port has been opened or closed. A kit answers nothing, so an open port counts as a link."""
         self.wire.open = is_open
         if not is_open:
             self.lose_board()

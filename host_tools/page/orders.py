@@ -130,6 +130,7 @@ class PanelOrders(Orders):
         settings = dict(self.machine.settings)
 
         def about_answer(found):
+            """The answer to the order: a message with the job's facts, or the refusal."""
             if is_refusal(found) and (isinstance(found, int) or "error" in found):
                 return found
             answer = {"t": "job_about", "name": name}  # MicroPython, in a tab, does not know {**found}
@@ -168,6 +169,7 @@ class PanelOrders(Orders):
         return self.machine.run(name, lines, 1, False, False)
 
     def _order_run(self, order):
+        """Run a job `passes` times, 1 … 100, or only check it. A STOP before its lines are read prevents it. Returns a SlowOrder or an error."""
         passes = int(number_field(order, "passes", 1, _PASSES, 1))
         error = self.machine.refusal() or self.machine.busy_error()
         if error:

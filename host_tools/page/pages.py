@@ -72,12 +72,14 @@ class PanelPages(ServedPages):
         return told
 
     def remove_page(self, page):
+        """Remove a page that has gone; end the jog that it holds."""
         there = page in self.pages
         Pages.remove_page(self, page)
         if there and page.lease:
             self.api.machine.end_jog()
 
     def answer_order(self, page, order, proven):
+        """Carry out an order, see PanelOrders.begin(); note which page holds a jog."""
         answer = self.api.begin(order, proven, page.remote)
         if isinstance(order, dict) and order.get("do") == "jog" and not answer["error"]:
             page.lease = order["lease"]

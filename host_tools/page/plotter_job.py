@@ -60,6 +60,7 @@ class PlotterJob:
         return 0
 
     def _begin_at(self, at, single):
+        """Set all counters for a job that begins, or is taken up, at line index `at`."""
         self._pass = 1
         self._at = at  # the line that is sent next, or under way
         self._first = -1  # line of the object's first point
@@ -87,6 +88,7 @@ class PlotterJob:
             self._show_state("run", 0)
 
     def _send_forward(self):
+        """Send the packet of the next line; behind the last line begin the next pass, or end the job."""
         while self._single and self._at < len(self._lines) and self._name_at(self._at) == "END":
             self._at += 1  # each point has had its own
         if self._at < len(self._lines):
@@ -116,6 +118,7 @@ class PlotterJob:
         return self._lines is None
 
     def _take_answer(self, error):
+        """Take the answer to a line's packet, and send the next."""
         if not self._ends_with(error):
             if self._name_at(self._at) == "END":
                 self._close_object()
@@ -152,6 +155,7 @@ class PlotterJob:
         return self._point_before(self._point_before(self._at))
 
     def _go_back(self):
+        """Send MOVE to the point before the one at which the machine stands; at the first point go forward again."""
         to = self._back_to()
         if to < 0:
             self._backward = False
@@ -232,6 +236,7 @@ class PlotterJob:
         self._lines = None
 
     def _show_state(self, how, error):
+        """Show the job on all pages. `how`: "run", "done" or "failed"; `error`: its number."""
         at = self._at
         if how == "run" and self._first >= 0:
             at = min(at, self._first + self._drawn)  # of the lines sent, those drawn

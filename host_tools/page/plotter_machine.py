@@ -28,6 +28,7 @@ class PlotterMachine(_Cabled):
         _Cabled.__init__(self, tell, PlotterWire(write, board, self), board)
 
     def _show_fields(self, report):
+        """Show the STATUS, and the pen up or down as the job's lines say."""
         known = self.state.get("pen", "")
         self.job.report(report["drawn"])
         PlotterPage._show_fields(self, report)

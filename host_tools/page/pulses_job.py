@@ -68,6 +68,7 @@ class PulsesJob:
         return self._open_file(False)
 
     def _open_file(self, stream):
+        """Send {load} or, if `stream`, {stream} with the number of bytes. Returns 0, or TOO_MANY_WAITING."""
         self._stream = stream
         self._sent = 0
         self._size = len(self._data) * (self._passes if stream else 1)
@@ -78,6 +79,7 @@ class PulsesJob:
         return 0
 
     def _begin_sending(self, error):
+        """Take the answer to {load} or {stream}: send the file's bytes, or end the job with `error`."""
         if error:
             self.fail(error)
         elif self._phase == _OPENING:
@@ -102,6 +104,7 @@ class PulsesJob:
             self._phase = _CLOSING
 
     def _take_end(self, error):
+        """Take the answer to {end}: run the stored file, wait for the page, or end a checked job."""
         if self._phase != _CLOSING:
             return
         self._phase = _NO_FILE

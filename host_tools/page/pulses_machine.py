@@ -49,6 +49,7 @@ class PulsesMachine(_Cabled):
             self.job.take_line(line)
 
     def _show_fields(self, report):
+        """Show the report; pass it to the job and to teach-in."""
         PulsesPage._show_fields(self, report)
         state, name = self.state, report["state"]
         self.job.report(name, report["fields"])
@@ -77,6 +78,7 @@ class PulsesMachine(_Cabled):
             self._from = None
 
     def _move_by_hand(self, steps, answered):
+        """Move each axis by its `steps`, and keep them for teach-in until the machine stands. Returns 0 or an error."""
         runs = [(axis, steps[axis]) for axis in range(len(steps)) if steps[axis]]
         if len(self._runs) > _MOST_RUNS:
             return errors.TOO_MANY_WAITING

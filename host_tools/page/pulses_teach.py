@@ -28,6 +28,7 @@ class PulsesTeach:
         return -1 if self._parts is None else len([1 for _, count in self._parts if count])
 
     def begin(self):
+        """Begin to record, and forget an older record. Returns 0."""
         self._parts = []
         self._speed = 0
         self._steps = 0

@@ -33,6 +33,7 @@ class Queue:
         self._machine.state["queue"] = {"jobs": list(self._jobs), "on": bool(self._now or waits), "waits": waits, "tool": tool}
 
     def carry_out(self, order):
+        """Carry out a page's order: `what` is add, run, clear, up, down or remove. Returns 0, an error or a SlowOrder. Raises Wrong."""
         what = text_field(order, "what", 8)
         jobs, waits = self._jobs, self._machine.state["queue"]
         if what == "add":
@@ -59,6 +60,7 @@ class Queue:
         return 0
 
     def _add_job(self, name, found):
+        """Append a job whose lines `found` could be read. Returns 0 or a refusal."""
         if is_refusal(found):
             return found
         if len(self._jobs) >= _MOST:
@@ -69,6 +71,7 @@ class Queue:
         return 0
 
     def _run_next(self):
+        """Begin the first job that waits, for a person who has ordered it. Returns a SlowOrder or an error."""
         machine = self._machine
         if not self._jobs:
             return errors.NO_SUCH_JOB
@@ -78,6 +81,7 @@ class Queue:
         )
 
     def _begin_job(self, name, found):
+        """Begin the job `name`, if it is still the first. `found`: (lines, tools) or a refusal. Returns 0 or a refusal."""
         machine = self._machine
         if is_refusal(found):
             return found
@@ -117,6 +121,7 @@ class Queue:
         self._show_state("")
 
     def _read_next(self):
+        """Read the next job beside the machine, then offer it, unless a STOP came meanwhile."""
         name, stops = self._jobs[0], self._stops
         self._reads = True
 

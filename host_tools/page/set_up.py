@@ -35,6 +35,7 @@ class SetUp:
         return {"make": self._make_surface, "map": self._order_map}
 
     def _make_surface(self, order):
+        """Make the job SURFACE, which faces the work, from the order's sizes in mm. Returns the answer or an error. Raises Wrong."""
         if text_field(order, "what", 8) != "surface":
             return errors.UNKNOWN_COMMAND
         lines = surface_lines({name: number_field(order, name, *_SIZES[name]) for name in _SIZES})
@@ -47,6 +48,7 @@ class SetUp:
         return error or {"t": "answer", "do": do, "error": 0, "name": name}
 
     def _order_map(self, order):
+        """Carry out an order about the height map: `what` is probe, get, level or drop. Returns 0, an answer, a SlowOrder or an error."""
         what = text_field(order, "what", 8)
         if what == "probe":
             return self._begin_probing(order)
@@ -60,6 +62,7 @@ class SetUp:
         return errors.UNKNOWN_COMMAND
 
     def _begin_probing(self, order):
+        """Run a job that touches each point of a new height map. Order: corners in mm, columns, rows, feed in mm/min. Returns 0 or an error."""
         size = {name: number_field(order, name, *_GRID[name]) for name in _GRID}
         touch = {name: number_field(order, name, *_TOUCH[name]) for name in _TOUCH}
         columns, rows = int(size["columns"]), int(size["rows"])

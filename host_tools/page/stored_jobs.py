@@ -38,6 +38,7 @@ class StoredJobs(Job):
         machine.orders["stored"] = self._carry_out
 
     def _carry_out(self, order):
+        """Carry out an order about stored jobs: `what` is list, delete, run or store. Returns 0, an error or a SlowOrder."""
         machine = self._machine
         what, name = order.get("what"), order.get("name")
         error = machine.refusal() or machine.busy_error()
@@ -90,6 +91,7 @@ class StoredJobs(Job):
         return False
 
     def report(self, state):
+        """Take a report: follow a stored job's progress; end one that no report has named _LOST times in a row."""
         told = self._machine.state.get("stored")
         if told and not Job.is_running(self) and self._kept is None:
             self._begin_job(told.partition(",")[2], "run")  # begun by a button, or with the board
@@ -118,6 +120,7 @@ class StoredJobs(Job):
         self._tell_kept("store" if what == "store" else "run", 0)
 
     def _start_job(self, name, what):
+        """Have the board run a stored job, or check it. Returns 0 or an error."""
         machine = self._machine
         if machine.state["state"] not in ("Idle", "Alarm") or not machine.wire.has_room(len(name) + 8):
             return errors.BUSY
@@ -132,6 +135,7 @@ class StoredJobs(Job):
             self._finish_job("failed", error)
 
     def abort(self):
+        """Hold the machine to end a stored job, end an upload, or abort a streamed job. Returns 0."""
         if self._kept is None:
             return Job.abort(self)
         if self._kept == "store":
@@ -143,12 +147,14 @@ class StoredJobs(Job):
         return 0
 
     def fail(self, error):
+        """End the job under way as failed with an error from outside."""
         if self._kept is None:
             Job.fail(self, error)
         else:
             self._finish_job("failed", self._failed or error)
 
     def _finish_job(self, how, error):
+        """End the stored job or the upload; show `how` and `error` on all pages."""
         kept = self._kept
         if kept is None:
             return
@@ -162,6 +168,7 @@ class StoredJobs(Job):
     # --- storing
 
     def _store_job(self, name, found):
+        """Begin to upload a job in lines of _PIECE bytes. `found`: (bytes, CRC-32, packed bytes), or a refusal. Returns 0 or the refusal."""
         if is_refusal(found):
             return found
         size, crc, packed = found
@@ -175,11 +182,13 @@ class StoredJobs(Job):
         return 0
 
     def poll(self):
+        """Send lines of a streamed job, or the next line of an upload once the last one is answered."""
         Job.poll(self)
         if self._upload and not self._waiting and self._kept == "store":
             self._waiting = self._machine.wire.send_line(PAGE, self._upload[0], self._take_piece_answer)
 
     def _take_piece_answer(self, error):
+        """Take the answer to a line of the upload; end it at an error, or behind its last line."""
         self._waiting = False
         if self._kept != "store":
             return
@@ -200,6 +209,7 @@ class StoredJobs(Job):
         }  # fmt: skip
 
     def refresh_state(self):
+        """Bring the state's "job" up to date for the pages."""
         if self._kept is None:
             Job.refresh_state(self)
         else:

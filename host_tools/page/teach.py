@@ -31,6 +31,7 @@ class Teach:
         return -1 if self._points is None else self._count
 
     def begin(self):
+        """Begin to record from where the machine stands, and forget an older record. Returns 0."""
         self._points = []
         self._ways = []  # to each of the points behind the first
         self._way = []

@@ -22,6 +22,7 @@ class TorchMachine(_Cabled):
         self._dropped = None  # as the board has counted
 
     def _show_fields(self, report):
+        """Show a report; log a refusal if the board has dropped a frame, and end the jog."""
         known, self._dropped = self._dropped, report["dropped"]
         if known not in (None, self._dropped):
             report["error"] = report["error"] or errors.BUSY

@@ -50,6 +50,7 @@ class Port:
             return b""
 
     def write(self, data):
+        """Send bytes; lost without a port. A failing port is closed, and look() opens it again."""
         if self._serial is not None:
             try:
                 self._serial.write(data)
@@ -71,6 +72,7 @@ class Port:
         self._lent = False
 
     def _lose_port(self):
+        """Close the port and call changed(fd, False)."""
         opened, self._serial = self._serial, None
         try:
             self._changed(opened.fileno(), False)
@@ -89,6 +91,7 @@ class Demo:
         self.name = self._start_board()
 
     def _start_board(self):
+        """Start the virtual board's process; returns its port's name. Raises Failure if it does not start."""
         stock = ["--stock"] if Stock.can_touch(boards.load(self.board)) else []
         words = [*interpreter.passo(), "board", "--board", self.board, *stock, *self._options]
         # The board ends when this pipe does: also if this program is killed.
@@ -108,6 +111,7 @@ class Demo:
         return self.name
 
     def close(self):
+        """End the process, by force after 5 s."""
         self._process.terminate()
         try:
             self._process.wait(5)

@@ -58,6 +58,7 @@ def _job_maker(board_now, suffixes, suffix, write, read=None):
     """Return the function that makes a job of an uploaded file. `read(name, text)`: 0, or why a file that is no drawing is no job."""
 
     def make_job(name, text, place=None):
+        """Return (name, text) of the job that a file becomes, or a refusal. `place`: (x, y, width) in mm, or None."""
         if not name.lower().endswith(suffixes):
             return (read(name, text) if read else 0) or (name, text)
         if len(text) > _MOST_BYTES:

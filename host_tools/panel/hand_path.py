@@ -110,6 +110,8 @@ class _Path:
         return best
 
     def _arc_in(self, at, least, plane):
+        """(end, centre in mm from the start, clockwise) of the longest arc in the plane of two axes from index `at` to `least` or beyond; None:
+        none fits."""
         last = len(self.steps) - 1
         count = least - at
         while at + count <= last:

@@ -20,6 +20,7 @@ _PAUSE = re.compile(rb"M0*[01](?!\d)")
 
 
 def gcode_facts(lines, settings):
+    """The facts of a job of G-code, a dict. `lines`: [(number, bytes)]; `settings`: {number: text} of the board."""
     found = {"lines": len(lines), "tools": tools_of(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
     if len(lines) <= MOST_LINES:
         answers = [f"${number}={value}" for number, value in settings.items()]
@@ -28,6 +29,7 @@ def gcode_facts(lines, settings):
 
 
 def _first_refusal(lines, answers):
+    """(number, error) of the first line that the firmware's parser refuses; None: it refuses none, or cannot be asked."""
     from host_tools.programs.replay import RefusedLine, Replay
     from host_tools.programs.replay_machine import Machine
 
@@ -54,6 +56,7 @@ def tools_of(lines):
 
 
 def packets_of(board):
+    """Return the function that gives the facts of a plotter's job. `board`: its checked board file."""
     times = Estimate(board)
 
     def packet_facts(lines, settings):
@@ -69,6 +72,7 @@ def packets_of(board):
 
 
 def _time_fields(seconds):
+    """{"seconds", "parts"} of a list with the seconds of each line."""
     until, parts = 0.0, [0.0]
     for index, taken in enumerate(seconds):
         until += taken

@@ -42,6 +42,7 @@ def create(language, board, write, tell, guest=None):
 
 
 def _create_grbl(board, write, tell, guest):
+    """Create the parts of a machine that speaks grbl: teach-in with arcs, jobs that can be resumed."""
     machine = GrblMachine(write, tell, guest)
     machine.cause = refusal.error_cause
     machine.can = (*machine.can, "place")
@@ -62,6 +63,7 @@ def _create_grbl(board, write, tell, guest):
 
 
 def _create_pulses(board, write, tell, about):
+    """Create the parts of a machine of pulse codes; its fastest speed in mm/min follows from the least interval of steps."""
     from passo.options.step_program.control_orders import lengths_of
     from host_tools.page.pulses_machine import PulsesMachine
 
@@ -79,6 +81,7 @@ def _create_torch(board, write, tell, about):
 
 
 def _create_plotter(board, write, tell, about):
+    """Create the parts of a plotter; drawings become jobs of packets."""
     from host_tools.drawings.packets import packet_lines
     from host_tools.page.plotter_machine import PlotterMachine
 

@@ -57,6 +57,7 @@ class Form:
         return field
 
     def _speeds_group(self):
+        """The group of speeds and of the pulses' form, a dict; None: the board file has none of them."""
         fields = []
         for section, key, what in _SPEEDS:
             if key in self._board.get(section, {}) and not (section == "speed" and (fields or self._first_link_speaks("grbl"))):
@@ -81,6 +82,7 @@ class Form:
         return [(here.get(name, item), name in here) for name, item in {**base, **here}.items()]
 
     def _axis_row(self, axis, used):
+        """The row of an axis, a dict; `used`: the machine has it, else only its base."""
         name = axis["name"]
         start = f"axes.{name}"
         fields = [self._add_field(f"{start}.used", "used", "box", used)] if name in [item["name"] for item in self._base.get("axes", [])] else []
@@ -94,6 +96,7 @@ class Form:
         return {"name": name.upper(), "fields": fields}
 
     def _pins_group(self, section, proposed):
+        """The group of a section of pins, inputs or outputs; `proposed`: function names for a new pin."""
         rows = [self._pin_row(f"{section}.{item['name']}", item, used, True) for item, used in self._list_items(section)]
         if section == "outputs" and "tool" in self._board:
             rows.insert(0, self._pin_row("tool", {"name": "tool", **self._board["tool"]}, True, False))
@@ -102,6 +105,7 @@ class Form:
         return {"what": section, "rows": rows, "new": section if self._board.get(section) else "", "names": [name for name in proposed if name not in there]}
 
     def _pin_row(self, start, item, used, may_lack):
+        """The row of one input or output: its pin, and whether it is inverted; `may_lack`: it may be taken away."""
         fields = [
             self._add_field(f"{start}.pin", "pin", "pin", item["pin"] if used else _ABSENT),
             self._add_field(f"{start}.active", "inverted", "box", item.get("active", 1) == 0),

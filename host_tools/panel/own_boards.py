@@ -67,6 +67,7 @@ class OwnBoards:
         return told
 
     def _create_board(self, name, order):
+        """Make a board file like `name`, called by the order's `as`. Returns its message. Raises Failure or Wrong."""
         made = text_field(order, "as", _LONGEST)
         board_files.check_name(made)
         self._folder.mkdir(parents=True, exist_ok=True)
@@ -76,6 +77,7 @@ class OwnBoards:
         return self._describe_board(file.name, order)
 
     def _change_board(self, name, order):
+        """Write the changed values of the order into the board file. Raises Failure or Wrong."""
         changes = order.get("values")
         if not isinstance(changes, dict) or len(changes) > _MOST_VALUES:
             raise Wrong("values")
@@ -89,6 +91,7 @@ class OwnBoards:
         board_files.go_back(self._own_file(name))
 
     def _remove_board(self, name, order):
+        """Remove a board file of the user's own. Returns the answer. Raises Failure if the board is that machine."""
         file = self._own_file(name)
         if name == self._present():
             raise Failure("machine {} is the chosen one: choose another first", name)

@@ -155,6 +155,7 @@ class Panel:
         return error
 
     async def _become_machine(self, name):
+        """Stop the board, make it machine `name`, and show the result on all pages."""
         try:
             if await self._wait_and_check():
                 return
@@ -219,6 +220,7 @@ class Panel:
         self._stopped.set()
 
     async def _run_loop(self):
+        """Poll port, machine and guest each TICK_S, and push the state each PUSH_MS, until end()."""
         pushed = clock_ms()
         while not self._stopped.is_set():
             now = clock_ms()

@@ -33,6 +33,7 @@ class ProveProcess:
         self._shown = {"t": "prove", "how": ""}
 
     def carry_out(self, order):
+        """Carry out a page's order: `what` is begin, get or end. Returns 0, an error, or the message with the progress. Raises Wrong."""
         what = text_field(order, "what", 8)
         if what == "get":
             return dict(self._shown)
@@ -68,6 +69,7 @@ class ProveProcess:
             self._show_progress(how=DONE if self._shown["report"] else ENDED if self._given_up else FAILED)
 
     async def _run_process(self, words):
+        """Run `passo` with `words`, and take each line of its output; kill it _END_S after its end of output."""
         pipe = asyncio.subprocess.PIPE
         self._process = process = await asyncio.create_subprocess_exec(
             *interpreter.passo(), *words, stdin=pipe, stdout=pipe, stderr=asyncio.subprocess.STDOUT, limit=_LINE_BYTES

@@ -47,12 +47,14 @@ class RecoverableJobs(StoredJobs):
         machine.orders["recover"] = self._order_recovery
 
     def take_line(self, line):
+        """Collect a line of an awaited answer, or take it as a stored job's. Returns True if no page shows it."""
         if self._collects is not None and line[:5] != "[MSG:":
             self._collects.append(line)
             return True
         return StoredJobs.take_line(self, line)
 
     def report(self, state):
+        """Take a report; ask for the journal once the machine is at rest, if it is not known."""
         machine = self._machine
         if state == "Home" or self._changed != self._files.changed and not self._stage:
             self._changed = self._files.changed
@@ -65,6 +67,7 @@ class RecoverableJobs(StoredJobs):
         StoredJobs.report(self, state)
 
     def fail(self, error):
+        """End the job as failed; drop a search beside the machine, and an offer at which the operator was being asked."""
         self._plan_number += 1
         if self._stage == "ask":  # over the place it stands no more, or not for certain
             self._stage = ""
@@ -77,6 +80,7 @@ class RecoverableJobs(StoredJobs):
     # --- what is offered
 
     def _take_journal(self, error):
+        """Take the answer to `$JR`, and look for the interrupted job beside the machine."""
         said, self._collects = self._collects or [], None
         offer = self._machine.state["recover"]
         if error == LOST or not error and not any(line.startswith("[JOURNAL:") for line in said):  # or an answer to who spoke here before
@@ -104,6 +108,7 @@ class RecoverableJobs(StoredJobs):
         self._machine.state["recover"] = offer
 
     def _find_offer(self, said):
+        """The offer for a journal's lines `said`, a dict; None: no job was interrupted."""
         for name, lines, crc in self._files.programs():
             try:
                 number, _, known = resume_point(said, lines, crc)
@@ -129,6 +134,7 @@ class RecoverableJobs(StoredJobs):
     # --- orders
 
     def _order_recovery(self, order):
+        """Carry out an order: `what` is from, begin, down, drop or forget. Returns 0 or an error. Raises Wrong."""
         machine = self._machine
         what, offer = order.get("what"), machine.state["recover"]
         error = machine.refusal() or machine.busy_error()
@@ -151,6 +157,8 @@ class RecoverableJobs(StoredJobs):
         return errors.ORDER_FIELD
 
     def _drop_job(self):
+        """Withdraw the offer, raise the tool if the position is known and homing ends at Z's top, switch spindle and coolant off. Returns 0 or an
+        error."""
         machine = self._machine
         known = machine.state["recover"]["known"]
         self._forget_offer()
@@ -223,6 +231,7 @@ class RecoverableJobs(StoredJobs):
             self._run_beside(lambda: _or_failure(lambda: self._plan_recovery(offer, said)), lambda planned: self._go_over(offer, planned))
 
     def _go_over(self, offer, planned):
+        """Run the lead-in up to the question to the operator. `planned`: of _plan_recovery(), or a Failure."""
         if isinstance(planned, Failure):
             self._tell_all({"t": "refused", "text": planned.message()})
             return
@@ -255,6 +264,7 @@ class RecoverableJobs(StoredJobs):
         return parts[0], parts[1] + self._files.number_lines(rest), next_
 
     def _go_down(self):
+        """Run the rest of the program, if the machine has not moved since the question. Returns 0 or an error."""
         if self._machine.position != self._position:
             return errors.COMMANDED_ELSEWHERE  # it has been moved since
         offer = self._machine.state["recover"]
@@ -268,6 +278,7 @@ class RecoverableJobs(StoredJobs):
     # --- jobs
 
     def run(self, name, lines, passes, checked, single=False):
+        """Run a job; first send the board its number for the journal. Returns 0 or an error."""
         machine = self._machine
         said = b"" if checked or not self._has_journal() else b"$JR=%08x" % self._job_number(name, lines)
         error = machine.busy_error() or (0 if machine.wire.has_room(len(said)) else errors.BUSY) or StoredJobs.run(self, name, lines, passes, checked, single)
@@ -304,6 +315,7 @@ class RecoverableJobs(StoredJobs):
             StoredJobs.poll(self)
 
     def _end_job(self, how, error):
+        """End the job; behind a lead-in ask the operator, else ask for the journal anew."""
         StoredJobs._end_job(self, how, error)
         offer = self._machine.state["recover"]
         if self._stage == "over" and offer and how == "done":

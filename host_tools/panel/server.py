@@ -73,6 +73,7 @@ class Bounded:
         self.asked = False  # for a sign of life
 
     async def _read_in_time(self, coroutine, count):
+        """Return what `coroutine` reads. Raises OSError once a request is too long, or TimeoutError if it is not whole within _REQUEST_S."""
         if self.open:
             data = await coroutine
             self.heard_ms = clock_ms()
@@ -116,6 +117,7 @@ class App(Microdot):
         return False
 
     async def handle_request(self, reader, writer):
+        """Serve one connection, within the bounds. Its errors end it, and nothing else."""
         transport = writer.transport
         if not self._make_room():
             transport.abort()
@@ -135,6 +137,7 @@ class App(Microdot):
                 pass
 
     async def _handle_request(self, reader, writer):
+        """Read a request, dispatch it, and send the answer within _ANSWER_S."""
         request = await Request.create(self, reader, writer, writer.get_extra_info("peername"))
         if request is None:
             return
@@ -170,6 +173,7 @@ class Server:
     # --- requests
 
     def _add_routes(self):
+        """Add the server's paths: the page's files, /ws, /stop, /errors.json."""
         app = self.app
 
         @app.before_request
@@ -234,6 +238,7 @@ class Server:
     # --- a page
 
     async def _serve_page(self, request):
+        """Serve a page's WebSocket until it ends; 503 if there are too many pages."""
         if self.pages.is_full() and not self._drop_unproven():
             return "too many pages", 503
         socket = await websocket_upgrade(request)

@@ -108,6 +108,7 @@ class Store:
             return self._read_programs()
 
     def _read_programs(self):
+        """Read the newest jobs, up to _MOST_KNOWN bytes; see programs(). A file is read again only if it has changed."""
         paths = sorted((path for path in (self._folder / name for name, _ in self.job_names())), key=lambda path: -path.stat().st_mtime_ns)
         found, bytes_ = [], 0
         for path in paths:
@@ -192,6 +193,7 @@ class Store:
         return error or (self._write_file(source.name, text.encode()) if made != name else 0)
 
     def _write_file(self, name, data):
+        """Write a file whole or not at all. Returns 0, or JOB_SIZE if the disk cannot be written."""
         path = self._folder / name
         fresh = self._folder / f".{name}.new"
         try:
@@ -220,6 +222,7 @@ class Store:
         return found if is_refusal(found) else self._write_file(name, latin_bytes(found[1]))
 
     def remove_job(self, name):
+        """Remove a job and the file it was made from. Returns 0 or an error."""
         path = self._path_of(name)
         if isinstance(path, int):
             return path
