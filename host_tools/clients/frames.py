@@ -142,6 +142,7 @@ class FramedPort:
         self._received.clear()
 
     def close(self):
+        """Wait up to 1 s until the board has all written bytes, end the session, and close the port."""
         try:
             end_ms = self._clock() + 1000
             while (self._sender.kept or self._urgents) and self._clock() < end_ms:
@@ -209,6 +210,7 @@ class FramedPort:
                 self._send_frame(DATA, sender.number, data)
 
     def _poll_wire(self):
+        """Take bytes of the port, and send what is due."""
         data = self._port.read(max(1, self._port.in_waiting))
         *whole, self._wire = (self._wire + data).split(b"\0")
         self._delimited = self._delimited or bool(whole)
@@ -220,6 +222,7 @@ class FramedPort:
             self._send_frame(ACK)
 
     def _take_frame(self, chunk):
+        """Take a frame without its delimiters (docs/reference/languages/frames.md). Raises OSError if the board lost answers."""
         if not codec.is_sound(chunk, 0, len(chunk)):
             return self._ask_again()
         self._heard_ms = self._clock()
@@ -242,6 +245,7 @@ class FramedPort:
                 self._urgent, self._urgent_ms = (self._urgent + 1) % NUMBERS, None
 
     def _take_welcome(self, about, number, ack, credit):
+        """Take WELCOME: open the session, or notice that the board has begun a new one. Raises OSError then."""
         new = bool(about[1] & codec.NEW)
         if not self._open:
             self._open, self._new = True, new
@@ -253,6 +257,7 @@ class FramedPort:
         self._sender.take_ack(ack, credit, self._heard_ms)
 
     def _take_data(self, number, data):
+        """Take the bytes of a DATA frame that begins at byte `number`; ask again if earlier ones are missing."""
         known = (self._next - number) % NUMBERS
         if known > NUMBERS // 2:
             return self._ask_again()

@@ -72,6 +72,7 @@ class GrblClient(Client):
         return time.monotonic() - self._heard > self.timeout_s
 
     def _notice_line(self, line):
+        """Take status, buffer sizes, ok, alarm or banner from a line."""
         if line.startswith("<") and line.endswith(">"):
             self.status = fields_of(line)
             self.answered_then = self.answered

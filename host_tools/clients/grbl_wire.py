@@ -125,6 +125,7 @@ class Wire:
             self._answered(Event(REFUSED, command, LOST))
 
     def _take_answer(self, error, line):
+        """Take the answer to the oldest line under way; count it as foreign if there is none. `error` 0: ok; `line`: its text, for the guest."""
         if not self._under_way:
             self.foreign += 1
             return

@@ -56,6 +56,7 @@ class PlotterWire:
         self._send_packets()
 
     def _send_packets(self):
+        """Send the packet of the command under way, again if it got lost; for a setting the first of its packets."""
         command = self._command
         self._asked = self._idle = 0
         if command.kind == commands.SETTING:
@@ -128,6 +129,7 @@ class PlotterWire:
             self._end_command(self._told, told)
 
     def _take_answer(self, answer):
+        """Take a one-byte answer, by name: it ends the command under way, or asks for the next packet of a setting."""
         if self._packets and self._command.kind == commands.SETTING and answer == "REQUEST_OK":
             self._asked = 0
             self._send_words()
@@ -137,6 +139,7 @@ class PlotterWire:
             self._end_command(0)
 
     def _take_status(self, status):
+        """Take the fields of a STATUS: judge the packet under way, and report to the machine."""
         status["position"] = [status["x"], status["y"]]
         if status["error"] == self._told:
             status["error"] = 0

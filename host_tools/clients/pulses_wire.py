@@ -152,6 +152,7 @@ class PulsesWire:
             self._take_line(line)
 
     def _take_line(self, line):
+        """Take a line of the board: status, setting, answer, or a line for the machine."""
         if line[:1] == "<":
             if self._failed and self._first_words() == END:
                 self._under_way.pop(0)  # it was answered by the file's error
@@ -181,6 +182,7 @@ class PulsesWire:
         return not [1 for words, _ in self._under_way if words != _ASK]
 
     def _take_answer(self, error, line):
+        """Take the answer to the oldest command under way. `error` 0: ok; `line`: its text, because {end} behind a failed file answers later."""
         while True:
             waiting = [each for each in self._under_way if each[0] != _ASK]
             if not waiting:

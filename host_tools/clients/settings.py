@@ -110,12 +110,14 @@ class _Lines(Asked):
         return [int(number) for number in self._read_all()]
 
     def get(self, number):
+        """The value of setting `number`, as text. Raises Failure if the board has none."""
         found = self._read_all()
         if str(number) not in found:
             raise Failure("this board has no setting ${}", number)
         return found[str(number)]
 
     def set(self, number, value):
+        """Set a setting to a number as text; returns the value that the board has kept. Raises Failure for "", Refused for a wrong value."""
         if not value:
             raise Failure("grbl's lines have no word for the board file's value of one setting; $RST=$ is for all of them")
         self.client.command(f"${number}={value}")

@@ -35,6 +35,7 @@ class Bridge:
             raise Failure("no board answers at {}, port {}: {}", host, port, reason(error)) from error
 
     def _read_greeting(self):
+        """Read the board's first line, and return its nonce, bytes. Raises Failure if it is another server, or hangs up."""
         while b"\n" not in self._rest:
             data = self._socket.recv(_READ)
             if not data:

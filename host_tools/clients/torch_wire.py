@@ -20,6 +20,7 @@ _FRAMES = {commands.STOP: torch.frame("STOP"), commands.ZERO: torch.frame("ORIGI
 
 
 def _run_frame(command):
+    """The frame of a RUN command: a jog, or a move with a speed of each axis."""
     steps = [part or 0 for part in command.steps]
     if command.when == commands.AS_JOG:
         axis = 0 if steps[0] else 1

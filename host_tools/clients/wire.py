@@ -61,6 +61,7 @@ class Wire:
         self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
 
     def close(self):
+        """Close the port and the log."""
         self._serial.close()
         if self._log:
             self._log.close()

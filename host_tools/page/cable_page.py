@@ -110,7 +110,6 @@ def _with_reports(kind):
             self._asking = False
 
         def feed(self, data, now_ms):
-            """Take bytes of the board, then send waiting commands."""
             self._now_ms = now_ms
             self.wire.feed(data, now_ms)
             self.send_waiting()
@@ -151,7 +150,6 @@ def _with_reports(kind):
             return (report["error"] or self._record.alarm or errors.NUMBER) if report["state"] == "alarm" else 0
 
         def raise_alarm(self, number):
-            """Show alarm `number`, drop the jog and log the number."""
             self._record.alarm = self.state["alarm"] = number
             self.drop_jog()
             self.log_error(number)

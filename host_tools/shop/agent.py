@@ -88,6 +88,7 @@ class _Board:
 
     @complain_of_errors
     def read(self):
+        """Take the bytes at the board's port."""
         with self._lock:
             data = self._port.read()
             if data:
@@ -112,6 +113,7 @@ class _Board:
             return self.work.act(what)
 
     def _poll_board(self, now_s):
+        """Poll port, machine and queue; each _TELL_S publish the topics that have changed, and new events."""
         self._begun_s = self._begun_s or now_s
         self._port.look()
         self._machine.poll(clock_ms())
@@ -154,6 +156,7 @@ class _Board:
         return [float(machine.settings[number]) for number in range(100, 104) if number in machine.settings] if self._grbl else machine.scale
 
     def _poll_work(self, now_s):
+        """Take the shop's messages and the machine's button, and poll the work. The button counts as it closes."""
         for what, text in self._link.take_orders():
             if what == SHOP:
                 self._shop = text
@@ -224,6 +227,7 @@ class Agent:
                 board.poll(now_s)
 
     def close(self):
+        """Close all boards and connections."""
         for board in self._boards:
             board.close()
         self._selector.close()

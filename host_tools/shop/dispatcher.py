@@ -108,6 +108,7 @@ class Dispatcher:
         return self._client.is_connected()
 
     def close(self):
+        """End the threads and the connection."""
         self._closed.set()
         if self._renewing:
             self._renewing.cancel()
@@ -115,6 +116,7 @@ class Dispatcher:
         self._client.loop_stop()
 
     def complain(self, text):
+        """Print a sentence on the standard error output, unless it is the last one again."""
         if text != self._complained:
             self._complained = text
             print(text, file=sys.stderr, flush=True)
@@ -132,6 +134,7 @@ class Dispatcher:
 
     @complain_of_errors
     def _on_connect(self, client, userdata, flags, code, properties):
+        """Subscribe, publish the nonce, and publish all orders and files anew: the broker may have forgotten them."""
         if code.is_failure:
             return
         self._subscribe_topics()
@@ -183,6 +186,7 @@ class Dispatcher:
 
     @complain_of_errors
     def _take_message(self, client, userdata, message):
+        """Take a machine's message; a signed one becomes a task on the book. Publishes another nonce if a message is older than the last."""
         _root, name, topic = message.topic.split("/")
         text = message.payload.decode(errors="replace")
         with self._lock:
@@ -214,6 +218,7 @@ class Dispatcher:
             self._client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
 
     def _compare_book(self, name):
+        """Compare a machine's last message with the book: end, follow or order its job, or give it a new one. Raises JobTableError."""
         book, told = self._book, self._told[name]
         for job_id in (told["job"], *(told["ended"] or ())[:1]):
             book.reopen_job(job_id, name)
@@ -257,6 +262,7 @@ class Dispatcher:
     # --- orders
 
     def _order_job(self, name, job, to):
+        """Publish a job's file and the order for it, signed for the nonce `to`. Raises JobTableError."""
         parts = -(-len(self._book.file_data(job.sha)) // PIECE)
         if job.sha not in self._files:
             self._publish_file(job.sha)

@@ -41,6 +41,7 @@ class Figures(Collector):
         self._machines[name] = state_topics
 
     def collect(self):
+        """Yield the metrics of all machines, as prometheus_client wants them."""
         machines = [(name, state_topics) for name, state_topics in self._machines.items() if state_topics.told]
         up = GaugeMetricFamily("passo_up", "1: the board answers.", labels=["machine"])
         state = GaugeMetricFamily("passo_state", "1 for the machine's state.", labels=["machine", "state"])

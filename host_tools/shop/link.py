@@ -113,6 +113,7 @@ class Parcel:
         self.wrong = False  # all pieces are there, and are another file
 
     def ask_file(self, sha, parts):
+        """Begin to collect a file in `parts` pieces; `sha`: its SHA-256 in hex."""
         self.drop()
         self._fresh = self.wrong = False
         self._sha, self._pieces = sha, [None] * parts
@@ -124,6 +125,7 @@ class Parcel:
             self.client.subscribe(self._topic + "+", 1)
 
     def take_piece(self, topic, data):
+        """Take a message of the broker, if it is a piece of the file."""
         number = topic[len(self._topic) :]
         if self._topic and topic.startswith(self._topic) and _NUMBER.fullmatch(number) and int(number) < len(self._pieces):
             self._pieces[int(number)] = data
@@ -139,6 +141,7 @@ class Parcel:
         return None if self.wrong else data
 
     def drop(self):
+        """Forget the file, and unsubscribe from its pieces."""
         if self._topic:
             self.client.unsubscribe(self._topic + "+")
         self._topic, self._sha, self._pieces = "", "", []
@@ -173,6 +176,7 @@ class Link:
         broker.connect_client(self._client)
 
     def _make_client(self, name, connected):
+        """Make a client of paho with this link's handlers; `connected`: the one for a connection. Raises Failure."""
         client = self._broker.make_client(name)
         client.on_connect = connected
         client.on_message = self._take_message
@@ -258,6 +262,7 @@ class Link:
 
     @complain_of_errors
     def _on_connect(self, client, userdata, flags, code, properties):
+        """Subscribe in the machine's name, and end the listener; the next publish_topics() publishes all topics."""
         if code.is_failure:
             self._complain_once(_("the broker refuses: {}", code))
             return
@@ -276,6 +281,7 @@ class Link:
 
     @complain_of_errors
     def _on_disconnect(self, client, userdata, flags, code, properties):
+        """Listen again without the machine's name: another agent may have taken it over."""
         with self._lock:
             ended = []
             if client is self._client and client is not self._listener and not self._closing:  # another one may have taken it: ask again
@@ -296,6 +302,7 @@ class Link:
 
     @complain_of_errors
     def _take_message(self, client, userdata, message):
+        """Take a message of the broker: STOP, a question or answer about the agent, an order, or a piece of a file."""
         what = message.topic.rpartition("/")[2]
         if what == STOP:
             self.stopped()
@@ -314,6 +321,7 @@ class Link:
             self.parcel.take_piece(message.topic, message.payload)
 
     def take_orders(self):
+        """Return the shop's messages since the last call, [(SHOP or ORDER, text)]."""
         found = []
         while self._heard:
             found.append(self._heard.popleft())
@@ -324,6 +332,7 @@ class Link:
         return self._client is not self._listener and self._client.is_connected()
 
     def publish_topics(self, topics):
+        """Publish the topics that have changed, {topic: text}, retained, and waiting events; nothing without a connection."""
         if not self.is_up:
             return
         if self._fresh.is_set():

@@ -32,6 +32,7 @@ _MOST_BYTES = 4096
 
 
 def make_app(key, machines, do, stop):
+    """Make the web application of the page; arguments as for serve()."""
     app = App()
     guard = Guard(_NAMES, key, make_nonce(), lambda peer: False)
     Request.max_content_length = Request.max_body_length = _MOST_BYTES
@@ -71,6 +72,7 @@ def make_app(key, machines, do, stop):
 
     @app.post("/do")
     async def carry_out(request):
+        """Carry out an order of the page, {"name", "do"}: STOP without a proof, others with one."""
         try:
             body = order_of(request.body.decode())
             name, what = body["name"], body["do"]
@@ -96,6 +98,7 @@ def serve(port, key, machines, do, stop):
     ready, failed, opened = threading.Event(), [], []
 
     async def listen():
+        """Listen and serve until the task is cancelled."""
         try:
             server = await app.start_server("127.0.0.1", port, start_serving=False)
             await server.start_serving()

@@ -33,6 +33,7 @@ class Machines:
         self.stale = False
 
     def note_topic(self, name, topic, text):
+        """Note a machine's topic. Returns the text before; None: there was none, or there is no room for another stranger."""
         if len(text) > _MOST_LETTERS or name not in self.known and not self._has_room(name):
             return None
         told = self.known.setdefault(name, {})
@@ -43,6 +44,7 @@ class Machines:
         return bool(NAME.fullmatch(name)) and len(self.known) - len(self._openers) < MOST_STRANGERS
 
     def open(self, name, text):
+        """Return the dict of a machine's signed message; None: it is not signed for this nonce, or is no newer than the last."""
         if not NAME.fullmatch(name):
             return None
         opener = self._openers.get(name) or Opener(self._key, MACHINE, f"{self._nonce} {name}")

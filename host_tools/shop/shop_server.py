@@ -54,6 +54,7 @@ class ShopPages(ServedPages):
         return self._shop.finish(answer, result)
 
     def next_state(self, now_ms):
+        """The state for all pages, JSON. `version` changes with more than progress and time left."""
         state = self._shop.page_state()
         self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]], state["trouble"], state["broker"], state["adrift"]])
         return json.dumps({"t": "state", **state})
@@ -183,6 +184,7 @@ class Shop:
     # --- what is shown
 
     def page_state(self):
+        """The state for the pages, a dict: machines, jobs, counts, times of materials, trouble."""
         self._read_book()
         trouble = self.book.trouble
         machines = [
@@ -222,6 +224,7 @@ class Shop:
             self.dispatcher.complain(wrong_message(error))
 
     async def run(self, host, port, ready):
+        """Serve until SIGTERM or SIGINT. Calls `ready(port)` once the server listens. Raises OSError if the port is in use."""
         loop = asyncio.get_running_loop()
         stopped = asyncio.Event()
         for signal_ in (signal.SIGTERM, signal.SIGINT):

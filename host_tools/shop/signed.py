@@ -34,6 +34,7 @@ class Opener:
         return fresh.open(text) is not None and fresh.count < self._session.count
 
     def open(self, text):
+        """Return the dict of a signed message; None: the proof is wrong, the count is not higher than the last, or it is no JSON object."""
         body = self._session.open(text)
         if body is None:
             return None

@@ -36,6 +36,7 @@ class StateTopics:
         self.full = None  # per cent of the board's queue that is in use, if it tells
 
     def look(self, shown, now_s):
+        """Return {topic: text} of all topics, see TOPICS, and note events. `shown`: the state for pages; `now_s`: a monotonic clock."""
         state = shown["state"].lower() if shown["link"] and shown["state"] else LOST
         self._count_motion(shown, state, now_s)
         name, share = self._job_of(shown)

@@ -58,6 +58,7 @@ class _Files:
         return self._programs
 
     def program_lines(self, name):
+        """The lines of the program `name`. Raises Failure if it is another one."""
         for known, lines, _number in self._programs:
             if known == name:
                 return lines
@@ -111,6 +112,7 @@ class _Job(RecoverableJobs):
         return self.files.programs()[0][2]
 
     def _find_offer(self, said):
+        """Note the journal's record, and return the offer to resume; None: no job of this agent was interrupted."""
         try:
             self.record = Record.of_answer(said)
         except Failure:
@@ -148,6 +150,7 @@ class Work:
     # --- the shop
 
     def message_for(self, shop):
+        """The message to the shop, signed for its nonce `shop`; "" if that is not known. Counted anew if it has changed."""
         body = {
             "how": self.how, "job": self._order["id"] if self._order else "", "nonce": self._nonce, "line": self.line, "text": self.text,
             "ended": self._ended, "area": self._travel_mm(), **self._about,
@@ -189,6 +192,7 @@ class Work:
         return self._go_ahead() if self.how == WAITS else self._release_machine()
 
     def _release_machine(self):
+        """Release the machine for one job: "paper is in". Returns "", or a sentence that says why not."""
         machine = self._machine
         if self._yields:
             return self._yields
@@ -206,6 +210,7 @@ class Work:
         return ""
 
     def _withdraw_release(self):
+        """Withdraw the release, or refuse a job that has not begun. Returns "", or a sentence that says why not."""
         if self.how == FETCH:
             self._end_job(REFUSED, _("taken back at the machine before it began"))
         elif self.how in (FREE, GOES) and not self._order:
@@ -216,6 +221,7 @@ class Work:
         return ""
 
     def _go_ahead(self):
+        """Go on with the job that waits. Returns "", or a sentence that says why not."""
         if self._yields:
             return self._yields
         if self.how != WAITS:
@@ -227,6 +233,7 @@ class Work:
         return ""
 
     def _give_up(self):
+        """Give up the job that waits, and switch the tool off. Returns "", or a sentence that says why not."""
         if self.how != WAITS:
             return _("nothing waits")
         if self._machine.state["state"] == "Idle":
@@ -262,6 +269,7 @@ class Work:
     # --- as time goes on
 
     def poll(self, now_s):
+        """Do what is due in the present state: fetch a file, judge a stop, go on, let an old release lapse."""
         machine, state = self._machine, self._machine.state
         if machine.wire.count_lines(0) or machine.said:
             self._quiet_s = now_s
@@ -285,6 +293,7 @@ class Work:
         self._quiet_s = time.monotonic()
 
     def _fetch_file(self):
+        """Take the job's file once it is complete and the journal is known: begin the job, or wait for "go" with the reason."""
         if self._job.record is None:
             return
         data = self._parcel.file_data()
@@ -318,6 +327,7 @@ class Work:
         return error
 
     def _judge_stop(self):
+        """Decide why the job runs no more: it is done, waits for the operator, or waits with the reason."""
         job = self._machine.state["job"]
         if self._job.waits_to_go_down():
             self._change_state(WAITS, _("over the place where it stopped: next the tool goes down"), self.line)
@@ -371,6 +381,7 @@ class Work:
             self._fall_back(_("the machine was not ready"))
 
     def _make_ready(self, order):
+        """Call `order` (home or unlock), _TRIES times at most, and read the journal anew."""
         self._tries += 1
         if self._tries > _TRIES:
             self._fall_back(_("the machine is in alarm"))
@@ -380,6 +391,7 @@ class Work:
         self._quiet_s = time.monotonic()
 
     def _recover_step(self, what):
+        """Give the order `what` to resume the job: "begin" or "down"."""
         machine = self._machine
         machine.state["job"] = None  # how the one before ended
         error = machine.orders["recover"]({"do": "recover", "what": what})
@@ -396,6 +408,7 @@ class Work:
             self._change_state(REST, text)
 
     def _end_job(self, how, text=""):
+        """End the job as `how` with `text`, for the next message to the shop, and rest under a new nonce."""
         self._ended = [self._order["id"], how, self.line, text]
         self._order = None
         self._parcel.drop()

@@ -48,11 +48,13 @@ class Wire:
     setblocking = connect = settimeout
 
     def read(self, count):
+        """Return the bytes that umqtt expects, `count` at most."""
         found = self.expected[:count]
         self.expected = self.expected[count:]
         return found
 
     def write(self, data, count=-1):
+        """Append bytes to the buffer, for poll() to send. Raises OSError if _ROOM does not suffice."""
         count = len(data) if count < 0 else count
         if self.used + count > _ROOM:
             raise OSError(AGAIN[0])
@@ -97,6 +99,7 @@ class Broker:
     # --- the connection
 
     def poll(self, now_ms):
+        """Connect, or send and read what the network takes and has. Returns True each _LOOK_MS: the state is wanted."""
         if self._socket is None:
             if self._tried_ms < 0 or (now_ms - self._tried_ms) & COUNT_MASK >= _AGAIN_MS:
                 self._tried_ms = now_ms
@@ -124,6 +127,7 @@ class Broker:
             self.close()
 
     def _connect_broker(self, now_ms):
+        """Begin a connection without waiting, and write its first packets into the buffer. Raises OSError."""
         made = self._socket = socket.socket()
         made.setblocking(False)
         try:
@@ -194,6 +198,7 @@ class Broker:
     # --- the topics
 
     def publish_state(self, text):
+        """Publish the topics of a state, JSON as pages get it."""
         if self._socket is None:
             return
         state = json.loads(text)

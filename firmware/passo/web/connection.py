@@ -115,6 +115,7 @@ class Connection:
         return data
 
     def _read_first(self, line):
+        """Read the request line: method, path, and whether it asks for JSON."""
         parts = line.split(b" ")
         if len(parts) != 3 or parts[2] not in (b"HTTP/1.1", b"HTTP/1.0") or parts[1][:1] != b"/":
             self._refuse(400)
@@ -125,6 +126,7 @@ class Connection:
         self.json = query == b"json"
 
     def _read_field(self, line):
+        """Read a field of the head; fields that the server does not use are dropped."""
         name, colon, value = line.partition(b":")
         name = name.lower()
         value = value.strip()
@@ -148,6 +150,7 @@ class Connection:
             self.proof = value
 
     def _read_body(self, data):
+        """Read bytes of the body; the request is whole with Content-Length of them."""
         self.body += data
         length = self._length or 0
         if len(self.body) >= length:
@@ -238,6 +241,7 @@ class Connection:
         return False
 
     def close(self):
+        """Close the file and the socket."""
         if self._file is not None:
             self._file.close()
         self.socket.close()

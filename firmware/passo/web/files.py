@@ -28,6 +28,7 @@ class Folder:
             self._read_pack()
 
     def _read_pack(self):
+        """Read the table of pages.bin: start and size of each file."""
         with open(self.path + PACK, "rb") as file:
             start = 0
             while True:
@@ -43,6 +44,7 @@ class Folder:
             self._packed[name] = (start + head, size)
 
     def find_file(self, path):
+        """(media type, lines of the head, path, start, bytes) of the file that a request's path names; None: there is none."""
         try:
             name = path[1:].decode() or _FIRST
         except ValueError:

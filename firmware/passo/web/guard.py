@@ -64,6 +64,7 @@ class Guard:
         return path in self._free
 
     def is_proven(self, connection, now_ms):
+        """True if a request's proof is right, or it needs none. After WRONG wrong proofs none is checked for _PAUSE_MS."""
         if not connection.proof:
             return self._admitted is not None and connection.path not in self._keyed and self._own(connection.peer) and self._admitted()
         if self._session is None:

@@ -86,6 +86,7 @@ class Server:
         return self._requests.pop(0) if self._requests else b""
 
     def write(self, data):
+        """Send the language's answer to the request of its number, or to all pages that get events."""
         number = data[0]
         data = data[1:]
         if number == _PUSHED:
@@ -152,6 +153,7 @@ class Server:
         return [self._listener] + [each.socket for each in self.connections if each.state in (HEAD, BODY, SOCKET)]
 
     def close(self):
+        """Drop all connections, and stop to listen."""
         for connection in list(self.connections):
             self.drop(connection)
         self._listener.close()
@@ -223,6 +225,7 @@ class Server:
             self.drop(connection)
 
     def drop(self, connection):
+        """Close a connection, and tell the owner of its WebSocket."""
         if connection in self.connections:
             self._poll.unregister(connection.socket)
             self.connections.remove(connection)
@@ -233,6 +236,7 @@ class Server:
     # --- a request that is whole
 
     def _answer_request(self, connection, now_ms):
+        """Answer a whole request: an error, a call, a WebSocket, a file, or by the language."""
         path = connection.path
         owner = self.sockets.get(path)
         status = connection.wrong or self._guard.refusal_status(connection, owner and owner.browser)
@@ -249,6 +253,7 @@ class Server:
             self._answer_file(connection, path, now_ms)
 
     def _open_socket(self, connection, owner, now_ms):
+        """Make a connection the WebSocket of `owner`; 503 if it admits no more."""
         hello = owner.open(connection, now_ms)
         if hello is None:
             self._answer_status(connection, 503)
@@ -258,6 +263,7 @@ class Server:
         self.send(connection, hello)
 
     def _answer_file(self, connection, path, now_ms):
+        """Answer with a file, with the first GET's answer for /, or with events for /EVENTS."""
         found = self.files.find_file(path)
         if not found and not (self._gets and path in (b"/", b"/EVENTS")):
             self._answer_status(connection, 404)
@@ -276,6 +282,7 @@ class Server:
             self.send(connection)
 
     def _queue_request(self, connection, path, now_ms):
+        """Queue a request for the language, a STOP before all others; 503 if there are too many."""
         if (connection.method == b"POST") != (path in self._posts) or connection.method not in (b"POST", b"GET"):
             self._answer_status(connection, 405)
             return

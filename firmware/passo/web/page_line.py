@@ -71,6 +71,7 @@ class PageLine:
         return bytes((ALL, len(self.pages.pages)))
 
     def write(self, data):
+        """Send the language's messages, separated by line feeds, to their pages, and the state to the broker."""
         for message in bytes(data).split(b"\n"):
             number = message[0]
             if number == ALL:
@@ -89,6 +90,7 @@ class PageLine:
         return self._server.select_list() + (self._broker.select_list() if self._broker else [])
 
     def close(self):
+        """Close the broker's connection and the server."""
         if self._broker:
             self._broker.close()
         self._server.close()
@@ -96,6 +98,7 @@ class PageLine:
     # --- the pages'
 
     def _push_state(self, version, state):
+        """Send the state, a frame, to each page whose time has come, behind it the page's messages. Skips a page that is still sending."""
         now_ms = self._clock_ms()
         for page in list(self.pages.pages):
             if page.socket.is_sending():
@@ -144,6 +147,7 @@ class PageLine:
             return None  # the language answers
 
     def forget_connection(self, connection):
+        """Remove the page of a connection that has ended, and tell the language."""
         page, connection.page = connection.page, None
         if page:
             self.pages.remove_page(page)

@@ -49,6 +49,7 @@ class Radio:
             self._start_radio(wanted)
 
     def _start_radio(self, wanted):
+        """Start the access point, or connect to one, by the contents of wifi.json."""
         import network  # chips without a radio have none
 
         network.hostname(self._config["host"])  # tells mDNS, too

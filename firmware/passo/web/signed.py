@@ -39,6 +39,7 @@ class SignedLine:
         self._gone = False  # a connection has ended, and the language does not know yet
 
     def _drop_connection(self):
+        """Close the connection, and forget its session and bytes."""
         if self._socket is not None:
             self._socket.close()
         connection = self._connection
@@ -63,6 +64,7 @@ class SignedLine:
         return said
 
     def _receive_bytes(self):
+        """Send waiting bytes, and return the received bytes that are proven or need no proof."""
         self._send_rest()
         if self._socket is None:
             return b""
@@ -89,11 +91,13 @@ class SignedLine:
         return [socket for socket in (self._listener, self._socket) if socket]
 
     def close(self):
+        """Close the connection, and stop to listen."""
         self._drop_connection()
         if self._listener:
             self._listener.close()
 
     def _accept_socket(self):
+        """Accept a TCP connection, unless one has proven the key already."""
         try:
             socket, _ = self._listener.accept() if self._listener else (None, None)
         except OSError:
@@ -121,6 +125,7 @@ class SignedLine:
     # --- as a WebSocket: see http.py
 
     def open(self, connection, now_ms):
+        """Take a WebSocket, and return its first message; None: another connection has proven the key."""
         if self._is_taken():
             return None
         greeting = self._begin_session()
@@ -128,16 +133,19 @@ class SignedLine:
         return frame(TEXT, greeting)
 
     def take_message(self, connection, data, now_ms):
+        """Take the bytes of a WebSocket's message. Returns False if it is not the connection in use."""
         if len(self._said) + len(data) <= UNSENT:
             self._said += self._parse_bytes(data)
         return connection is self._connection
 
     def forget_connection(self, connection):
+        """Forget the WebSocket that has ended."""
         if connection is self._connection:
             self._connection = None
             self._drop_connection()
 
     def _send_rest(self):
+        """Send waiting bytes, as many as the network takes."""
         try:
             if self._out:
                 self._out = self._out[self._socket.send(self._out) :]
@@ -146,6 +154,7 @@ class SignedLine:
                 self._drop_connection()
 
     def _parse_bytes(self, data):
+        """Return the bytes for the language: those that need no proof, and the bodies of whole lines with a right proof."""
         said = b""
         for byte in data:
             if byte in FREE:

@@ -37,6 +37,7 @@ class StoredJobs:
         machine.add_stored_jobs(self._carry_out, self._take_event)
 
     def _carry_out(self, order):
+        """Carry out an order: `what` is list, run, delete, begin, piece or end. Returns 0 or an error. Raises Wrong."""
         machine = self._machine
         what = text_field(order, "what", 8)
         error = machine.refusal() or machine.busy_error() or (errors.BUSY if self._closing else 0)
@@ -66,6 +67,7 @@ class StoredJobs:
     # --- uploads
 
     def _begin_upload(self, order, name):
+        """Open a job on the board for an upload, by the order's size, CRC-32 and packed size. Returns 0 or an error. Raises Wrong."""
         size = int(number_field(order, "size", 1, _MOST_BYTES))
         stored = int(number_field(order, "stored", 1, _MOST_BYTES))
         try:
@@ -81,6 +83,7 @@ class StoredJobs:
         return self._queue_job_command(commands.JOB_OPEN, (name, self._language, size, crc, stored), begin_pieces)
 
     def _store_piece(self, order):
+        """Store the next piece of the upload, in base64. Returns 0 or an error. Raises Wrong."""
         if number_field(order, "at", 0, _MOST_BYTES) != self._sent:
             return errors.JOB_PIECE
         try:
@@ -102,6 +105,7 @@ class StoredJobs:
     # --- what the machine says
 
     def _take_event(self, event):
+        """Take the answer to a command about jobs: send the list, or show how the job stands."""
         what = event.command.value
         if what == commands.JOB_CLOSE and self._closing:
             self._closing = False

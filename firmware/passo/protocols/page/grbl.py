@@ -62,6 +62,7 @@ class GrblPage(PageMachine):
     # --- commands
 
     def commands(self):
+        """Yield the page's commands, then those of a line of G-code."""
         while self.said:
             said = self.said.pop(0)
             self.unanswered.append(said)
@@ -77,6 +78,7 @@ class GrblPage(PageMachine):
         return self.said or self._line or self._spoken.pending()
 
     def take_answer(self, event):
+        """Take the answer to a command. Sends the answers to a typed line to all pages. Returns its error."""
         said = b"" if [1 for each in self.unanswered if each[0] is event.command] else self._spoken.reply(event)
         if not said:
             if event.kind == commands.REFUSED:
@@ -98,6 +100,7 @@ class GrblPage(PageMachine):
         return error
 
     def take_event(self, event):
+        """Take an event that the machine sends unasked: show pauses, tool changes, messages and a restart."""
         said = self._spoken.push_bytes(event)
         if event.kind == NOTICE and event.error == errors.NOTICE_PAUSE:
             self.state["why"] = "pause"
@@ -112,6 +115,7 @@ class GrblPage(PageMachine):
         PageMachine.take_event(self, event)
 
     def drop(self, event):
+        """Forget the commands and the line given before: another link, or an alarm, has stopped the machine."""
         said = self._spoken.drop(event)
         if said:  # another link has stopped the machine
             self._tell({"t": "said", "text": said.decode().strip()})
@@ -122,6 +126,7 @@ class GrblPage(PageMachine):
     # --- what the machine says
 
     def _show_fields(self, report):
+        """Show positions in mm, feed in mm/min, spindle in rpm, overrides and inputs; follow changed settings."""
         state = self.state
         name = report["state"]
         sub = report["substate"] if name in ("hold", "door") else ""
@@ -173,6 +178,7 @@ class GrblPage(PageMachine):
     # --- orders
 
     def stop(self):
+        """Queue a reset at once, and forget commands and lines that wait. Returns 0."""
         self.said = []
         self._line = b""
         self.drop_jog()
@@ -203,6 +209,7 @@ class GrblPage(PageMachine):
         return self.busy_error() or self._queue_line("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
 
     def set_output(self, name, rpm):
+        """Switch an output by its M word, the spindle at `rpm`. Returns 0 or an error."""
         word = OUTPUTS.get(name)
         if word is None:
             return errors.NUMBER

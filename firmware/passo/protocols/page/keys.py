@@ -32,6 +32,7 @@ class Kit:
         return bool([motor for motor in self._motors if motor["on"]])
 
     def motor_states(self):
+        """The state of each motor, a list of dicts; "rate": steps/s."""
         return [
             {"on": motor["on"], "back": motor["back"], "speed": motor["speed"], "rate": round(1000 / (KIT_STEP_MS * motor["speed"]), 1)}
             for motor in self._motors
@@ -74,6 +75,7 @@ class Kit:
         return len(turned) == 1 and turned[0] < KIT_MOTORS and not self._motors[turned[0]]["on"]
 
     def hold_motor(self, direction):
+        """Turn the motor of an axis in its direction, until let_go()."""
         axis = 0 if direction[0] else 1
         self._held = axis + 1
         if self._motors[axis]["back"] != (direction[axis] < 0):
@@ -101,6 +103,7 @@ class KeysPage(PageMachine):
         self._keys += key
 
     def commands(self):
+        """Yield the commands of the keys, then the page's own."""
         keys, self._keys = self._keys, b""
         for command in self._spoken.feed(keys, self._now_ms):
             yield command

@@ -153,6 +153,7 @@ class Orders:
         return self.machine.refusal(by_hand=True) or self.machine.step_by(way, speed)
 
     def _order_jog(self, order):
+        """Begin a jog along the order's `way` at `speed` mm/min, under its lease. Returns 0 or an error. Raises Wrong."""
         lease = number_field(order, "lease", 1, _MOST_NUMBER)
         beat = number_field(order, "beat", 0, _MOST_NUMBER)
         way = positions_field(order, "way", self.machine.axes)

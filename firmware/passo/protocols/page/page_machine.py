@@ -324,6 +324,7 @@ class PageMachine:
         return self.lease.renew(number, beat, self._now_ms)
 
     def end_jog(self):
+        """End the lease and the jog, and brake."""
         self.lease.end()
         if self.jog.active:
             self.jog.end()

@@ -47,6 +47,7 @@ class PlotterPage(PageMachine):
         self._take_travel()
 
     def _show_fields(self, report):
+        """Show position and feed, points drawn, free points, and the pen, which is up unless another link draws."""
         self._steps = list(report["position"][:2])
         self._show_position(self._steps)
         state = self.state

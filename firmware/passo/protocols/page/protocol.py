@@ -93,6 +93,7 @@ class Page:
         yield self._status
 
     def _carry_out(self, number, text, proven):
+        """Carry out an order of page `number`: yield its commands, then a question at which the answer is sent."""
         self._refused = 0
         try:
             order = order_of(text.decode())
@@ -130,6 +131,7 @@ class Page:
     # --- events to messages
 
     def reply(self, event):
+        """Return the messages that wait, for an answer to this page's own question; take other answers."""
         command = event.command
         if command is self._status:
             self._show_report(event.value)

@@ -20,6 +20,7 @@ _HANDS = {"tool": commands.STEPS_HAND_TOOL, "drives": commands.STEPS_HAND_DRIVES
 
 
 def can_of(board, more=()):
+    """The orders of a board's page, a tuple; `more`: those of the server."""
     words = ["place", "jog", "step", "goto", "unlock", "hold", "resume", "log", "program", "pace", "port", "tool", "drives"]
     words += more
     if board["homing"]:
@@ -50,6 +51,7 @@ class PulsesPage(PageMachine):
     # --- what the machine says
 
     def _show_fields(self, report):
+        """Show position in mm, feed in mm/min, tool and port; take off the hold of a jog that was cut."""
         state = self.state
         program = report["step_program"]
         name = report["state"]
@@ -133,6 +135,7 @@ class PulsesPage(PageMachine):
         return not self._move_by_hand(steps, self.jog_answered)
 
     def jog_answered(self, error):
+        """Take the answer to a piece of the jog: count its steps if it was accepted."""
         if not error:
             self._begun = [self._begun[axis] + self._ahead[axis] for axis in range(len(self._begun))]
         PageMachine.jog_answered(self, error)
@@ -174,6 +177,7 @@ class PulsesPage(PageMachine):
         return self.refusal() or self.queue_command(command)
 
     def set_output(self, name, rpm):
+        """Switch motors, tool or drives; `name`: such as "tool_on". Returns 0 or an error."""
         what, _, on = name.partition("_")
         if on not in ("on", "off") or what != "motors" and what not in _HANDS:
             return errors.NUMBER

@@ -23,6 +23,7 @@ _SHAPES = ("zigzag", "triangle", "trapezoid", "sine")  # from 1 on
 
 
 def can_of(board):
+    """The orders of a board's page, a tuple."""
     words = ["place", "jog", "step", "goto", "jog_speed", "unlock", "log", "origin"]
     if board.get("weaving"):
         words.append("weave")
@@ -118,6 +119,7 @@ class TorchPage(PageMachine):
         self._tell_error(report)
 
     def note_result(self, error):
+        """Note the result of a command; count one that was refused."""
         if error:
             self._dropped += 1
         PageMachine.note_result(self, error)
@@ -130,6 +132,7 @@ class TorchPage(PageMachine):
         return self._queue_pair(Command(commands.RESET), Command(commands.UNLOCK))
 
     def set_output(self, name, rpm):
+        """Switch the motors: "motors_on" or "motors_off". Returns 0 or an error."""
         if name not in ("motors_on", "motors_off"):
             return errors.NUMBER
         error = self.busy_error()
@@ -166,6 +169,7 @@ class TorchPage(PageMachine):
         return self.refusal() or self.busy_error() or self._run_axes(steps, speeds, AT_REST)
 
     def _set_preferences(self, order):
+        """Set steps/mm, jogs (mm) and default speeds (mm/min) of both axes. Returns 0 or an error. Raises Wrong."""
         scale = [number_field(order, "s" + "xy"[axis], 0.001, _MOST_SCALE, self.scale[axis]) for axis in range(2)]
         found = preferences_of(order, scale)
         error = self.refusal() or self.busy_error()
@@ -197,6 +201,7 @@ class TorchPage(PageMachine):
         return self.refusal() or self.busy_error() or self.queue_command(Command(commands.ZERO))
 
     def _weave_seam(self, order):
+        """Queue a seam, see seam_of(). Returns 0 or an error. Raises Wrong."""
         spec, to, speed, centre = seam_of(order, self.scale)
         if max([abs(part) for part in to + centre]) >= commands.FOREVER:
             return errors.TRAVEL
@@ -232,6 +237,7 @@ class TorchPage(PageMachine):
             self.end_jog()
 
     def update_jog(self, now_ms):
+        """End a jog whose lease has lapsed; repeat one that is held each REPEAT_MS."""
         PageMachine.update_jog(self, now_ms)
         if self.jog.active and ms_since(now_ms, self._repeated_ms) >= REPEAT_MS:
             self._repeat_jog()
