@@ -33,8 +33,8 @@ PAGE = FIRMWARE / "passo" / "web" / "page"
 OWN = Path(__file__).resolve().parent
 TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/plant.py", "host_tools/sim/input_faults.py", "host_tools/sim/belt.py", "host_tools/sim/slipping.py", "host_tools/sim/parts.py", "host_tools/sim/decoders.py", "host_tools/sim/stock.py",
        *(f"host_tools/page/{name}.py" for name in (
-           "asked_settings", "cabled", "grbl_machine", "guest", "job", "jobs", "later", "orders",
-           "plotter_job", "plotter_machine", "presence", "queue", "set_up", "teach")),
+           "cable_page", "cable_settings", "grbl_machine", "guest_sender", "job", "jobs", "orders",
+           "plotter_job", "plotter_machine", "presence", "queue", "set_up", "slow_order", "teach")),
        "host_tools/programs/program_lines.py", "host_tools/programs/height_map.py", "host_tools/programs/surfacing.py",
        "host_tools/clients/answers.py", "host_tools/clients/grbl_wire.py", "host_tools/clients/plotter_wire.py")  # fmt: skip
 SHIMS = ("random.py",)
