@@ -1,4 +1,4 @@
-"""TMC2130 and TMC5160 drivers on SPI, with a CS each or in chains: set up and read back at the start, watched from then on, as drivers/control.py has it.
+"""TMC2130 and TMC5160 drivers on SPI, with a CS each or in chains: set up and read back at the start, then watched, as in drivers/control.py.
 
     "spi_drivers": {"chip": "tmc5160", "sck": 10, "tx": 11, "rx": 12, "sense_mohm": 75, "motors": [{"axis": "x", "cs": 13, "current_ma": 1500}]}
 
