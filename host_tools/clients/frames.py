@@ -54,6 +54,7 @@ def offer_frames(port, wait_s=OFFER_S, text=False, patient=False):
 
 
 def _clock_ms():
+    """Milliseconds of a clock that never goes back."""
     return time.monotonic_ns() // 1_000_000
 
 

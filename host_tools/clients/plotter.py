@@ -243,6 +243,7 @@ class PlotterClient:
             raise Refused(what, number, alarm)
 
     def _send_named(self, name, x=0, y=0, repeat=False):
+        """Send the packet of command `name` with its two numbers, 0 … 65535."""
         self.repeated_points += repeat and name in ("LINE", "MOVE")
         self._send_packet(plotter.packet(plotter.COMMANDS[name], x, y), repeat)
 

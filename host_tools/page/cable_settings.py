@@ -113,6 +113,7 @@ def with_settings(kind):
             self.kinds[commands.STILL] = self._take_setting
 
         def settings_texts(self):
+            """Ask the board for its settings, and return those known, {number: value as text}; all follow in a message."""
             self._questions.begin()
             return self.settings
 

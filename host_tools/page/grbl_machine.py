@@ -259,6 +259,7 @@ class GrblMachine(_Cabled):
         return self._known and _Cabled._may_jog(self, direction)
 
     def presence_error(self):
+        """Return PRESENCE if the report's inputs show that nobody is at the machine ("n"), else 0."""
         return errors.PRESENCE if "n" in self.state.get("pins", "") else 0
 
     # --- who commands

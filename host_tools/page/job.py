@@ -157,6 +157,7 @@ class Job:
                 self.abort()
 
     def _end_job(self, how, error):
+        """End the job, show the result on all pages, and leave check mode."""
         checked = self._checked
         self._show_state(how, error)
         self._lines = None

@@ -99,6 +99,7 @@ class PulsesMachine(_Cabled):
         return errors.BUSY if self.job.is_sending() else PulsesPage._move_steps(self, steps)
 
     def _may_jog(self, direction):
+        """True if the page may jog in this direction, and no file is on its way to the board."""
         return PulsesPage._may_jog(self, direction) and not self.job.is_sending()
 
     # --- orders

@@ -30,6 +30,7 @@ class Queue:
         self._show_state("")
 
     def _show_state(self, waits, tool=""):
+        """Show the queue on all pages. `waits`: "", "asks", "tool" or "gone"; `tool`: the one to change to."""
         self._machine.state["queue"] = {"jobs": list(self._jobs), "on": bool(self._now or waits), "waits": waits, "tool": tool}
 
     def carry_out(self, order):

@@ -44,6 +44,7 @@ class SetUp:
         return self._keep_job("make", SURFACE, "\n".join(lines) + "\n")
 
     def _keep_job(self, do, name, made):
+        """Keep a job that was made. Returns the answer to the order `do`, or an error."""
         error = self._machine.busy_error() or self._store.name_error(name) or self._store.put_job(name, made)
         return error or {"t": "answer", "do": do, "error": 0, "name": name}
 
@@ -87,6 +88,7 @@ class SetUp:
             self._grid.heights.append(place[2])
 
     def _map_answer(self):
+        """The answer with the heights touched so far, in mm."""
         grid = self._grid
         if not grid:
             return {"t": "answer", "do": "map", "error": 0, "heights": None}
@@ -94,6 +96,7 @@ class SetUp:
                 "heights": [round(height, 3) for height in grid.heights], "whole": grid.is_whole()}  # fmt: skip
 
     def _level_job(self, name):
+        """Make a second job of `name` that follows the height map, once the map is whole. Returns a SlowOrder or an error."""
         grid = self._grid
         if not grid or not grid.is_whole():
             return errors.NO_SUCH_JOB

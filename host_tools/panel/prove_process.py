@@ -86,6 +86,7 @@ class ProveProcess:
                 await process.wait()
 
     def _take_row(self, line):
+        """Take a line of the process: progress or a row of results in JSON, or text."""
         told = json.loads(line) if line[:1] == "{" else {"said": line.removeprefix("passo: ")}
         if "what" in told:
             told = {"rows": [*self._shown["rows"], {name: told[name] for name in ("key", "what", "found", "promised", "verdict", "advice")}]}

@@ -178,6 +178,7 @@ class RecoverableJobs(StoredJobs):
         return 0
 
     def _begin_again(self, sure):
+        """Go to the line of the offer; `sure`: the position is known, or the person takes the risk. Returns 0 or an error."""
         if not sure:
             return errors.NOT_HOMED
         return self._ask_board(self._plan_from, "held" not in self._machine.state["recover"])
@@ -224,6 +225,7 @@ class RecoverableJobs(StoredJobs):
         return (found, *found.from_line(line))
 
     def _plan_from(self, error):
+        """Take the board's answers, and plan the way to the line beside the machine."""
         said, self._collects = self._collects or [], None
         offer = self._machine.state["recover"]
         if not error and offer is not None:
@@ -301,6 +303,7 @@ class RecoverableJobs(StoredJobs):
         return next((program_names.remember_program(text, name) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
 
     def _note_announcement(self, error):
+        """Take the answer to the job's number: its lines may go, or the job fails."""
         self._announcing = False
         if error and error != LOST and "J" in (self._machine.options or "") and self.is_running():
             self.fail(error)  # its lines would be taken for those of the job before

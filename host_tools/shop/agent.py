@@ -170,6 +170,7 @@ class _Board:
         self.work.poll(now_s)
 
     def close(self):
+        """Close the port and the connection."""
         self._port.close()
         self._link.close()
 

@@ -105,6 +105,7 @@ class Dispatcher:
 
     @property
     def is_up(self):
+        """True if the broker is connected."""
         return self._client.is_connected()
 
     def close(self):
@@ -211,6 +212,7 @@ class Dispatcher:
 
     @complain_of_errors
     def _renew_nonce(self):
+        """Publish another nonce, for which machines sign their state anew."""
         with self._lock:
             self._renewing = None
             self._nonce = make_nonce()
@@ -253,6 +255,7 @@ class Dispatcher:
             self._do_or_retry(_QUEUE, only)
 
     def _give_jobs(self, only):
+        """Give a job to each machine that is released, or to `only` that one. Raises JobTableError."""
         for name, told in self.machines.items():
             if only in (None, name) and told.get("how") == "free" and told.get("state") not in _AWAY:
                 job = self._book.give_job(name, told["nonce"], lambda job, told=told: job_fits(job, told))
@@ -281,6 +284,7 @@ class Dispatcher:
             self._files.discard(job.sha)
 
     def _publish_file(self, sha):
+        """Publish a job's file in pieces of PIECE bytes, retained. Raises JobTableError."""
         data = self._book.file_data(sha)
         for number in range(-(-len(data) // PIECE)):
             self._client.publish(f"{ROOT}/{FILE}/{sha}/{number}", data[number * PIECE : (number + 1) * PIECE], 1, True)

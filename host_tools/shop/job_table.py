@@ -98,10 +98,12 @@ class JobTable:
                 raise JobTableError(errno.EIO, str(error)) from error
 
     def _read_rows(self, text, *values):
+        """Return the rows of a query. Raises JobTableError."""
         with self._open_base() as base:
             return base.execute(text, values).fetchall()
 
     def _change_rows(self, text, *values):
+        """Change rows, and return how many. Raises JobTableError."""
         with self._open_base() as base:
             self.changed += 1
             count = base.execute(text, values).rowcount
@@ -181,9 +183,11 @@ class JobTable:
     # --- reading
 
     def job_by_id(self, job_id):
+        """The job with this id; None: there is none."""
         return next(iter(self._select_jobs("where id = ?", job_id)), None)
 
     def open_of(self, machine):
+        """The job that a machine has and that has not ended; None: it has none."""
         return next(iter(self._select_jobs("where machine = ? and " + _IS_OPEN, machine)), None)
 
     def has_open_job(self, sha):

@@ -294,6 +294,7 @@ class Link:
             self._complain_once(_("the connection to the broker is lost: {}", code))
 
     def _complain_once(self, why):
+        """Pass a reason to `refused`, unless it is the last one again."""
         if why != self._why:
             self._why = why
             self._refused(why)
@@ -329,6 +330,7 @@ class Link:
 
     @property
     def is_up(self):
+        """True if this agent speaks for the machine and is connected."""
         return self._client is not self._listener and self._client.is_connected()
 
     def publish_topics(self, topics):

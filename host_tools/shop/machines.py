@@ -41,6 +41,7 @@ class Machines:
         return before
 
     def _has_room(self, name):
+        """True if another name may be known: MOST_STRANGERS at most without the key."""
         return bool(NAME.fullmatch(name)) and len(self.known) - len(self._openers) < MOST_STRANGERS
 
     def open(self, name, text):

@@ -90,6 +90,7 @@ class StateTopics:
         self._late = count
 
     def _add_event(self, what, **more):
+        """Add an event to the machine's log."""
         self._events.append({"what": what, **more})
 
     @staticmethod

@@ -55,6 +55,7 @@ class _Files:
         self.changed += 1
 
     def programs(self):
+        """The kept program, [(name, lines, number)], or []."""
         return self._programs
 
     def program_lines(self, name):

@@ -112,6 +112,7 @@ class Broker:
         return True
 
     def select_list(self):
+        """The sockets that select() is to wait for."""
         return [self._socket] if self._socket else []
 
     def close(self):
@@ -121,6 +122,7 @@ class Broker:
             self._socket = None
 
     def _close_on_error(self, work, now_ms):
+        """Call work(now_ms), and close the connection if it raises OSError."""
         try:
             work(now_ms)
         except OSError:

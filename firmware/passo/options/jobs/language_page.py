@@ -59,6 +59,7 @@ class StoredJobs:
         return self._end_upload() if what == "end" else errors.UNKNOWN_COMMAND
 
     def _queue_job_command(self, what, target=None, answered=None):
+        """Queue a command about jobs; `what`: commands.JOB_LIST …; answered(error) follows. Returns 0 or an error."""
         return self._machine.queue_command(Command(commands.JOB, target, what), answered or self._ignore_answer)
 
     def _ignore_answer(self, error):
@@ -99,6 +100,7 @@ class StoredJobs:
         return self._queue_job_command(commands.JOB_DATA, data, count_piece)
 
     def _end_upload(self):
+        """Close the upload; the board reads it back. Returns 0 or an error."""
         self._closing = True
         return self._queue_job_command(commands.JOB_CLOSE)
 
@@ -133,6 +135,7 @@ class StoredJobs:
             self._queue_job_command(commands.JOB_STATE)
 
     def _show_job(self, how, name, done, error=0, line=0):
+        """Show a stored job on all pages; `done`: per cent."""
         self._machine.state["job"] = {
             "name": name, "how": how, "error": error, "line": line, "lines": _PER_CENT, "done": done,
             "pass": 1, "passes": 1, "checked": False, "single": False, "stored": True,

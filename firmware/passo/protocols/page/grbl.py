@@ -245,6 +245,7 @@ class GrblPage(PageMachine):
         self.queue_command(Command(commands.JOG_CANCEL))
 
     def _limits(self):
+        """Each axis' speed and acceleration, from settings $110 … and $120 …"""
         axes = range(len(self.position))
         return Limits(*[[self._setting_value(first + axis) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
 

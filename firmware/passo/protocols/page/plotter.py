@@ -22,6 +22,7 @@ def jogs_of(board):
 
 
 def signs_of(direction):
+    """The direction of a jog as a tuple of -1, 0 and 1."""
     return tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])
 
 
@@ -89,6 +90,7 @@ class PlotterPage(PageMachine):
     # --- the jog
 
     def _may_jog(self, direction):
+        """True if a key jogs in this direction, the position is known and no command is under way."""
         return signs_of(direction) in self._jogs and self._steps is not None and not self.unanswered
 
     def _start_jog(self, direction, speed):

@@ -121,6 +121,7 @@ class PulsesPage(PageMachine):
         return one and len(direction) == len(self.axes) and self._steps is not None
 
     def _start_jog(self, direction, speed):
+        """Begin the jog from the present steps, at the speed in force."""
         self._begun = list(self._steps)
         PageMachine._start_jog(self, direction, self.state["feed"])
 

@@ -216,9 +216,11 @@ class TorchPage(PageMachine):
     # --- the jog
 
     def _may_jog(self, direction):
+        """True if the direction is one axis, and the position is known."""
         return len([part for part in direction if part]) == 1 and len(direction) == 2 and self._steps is not None
 
     def _start_jog(self, direction, speed):
+        """Begin to repeat jogs of the axis; `speed` is the preferences'."""
         axis = 0 if direction[0] else 1
         self._way = axis, 1 if direction[axis] > 0 else -1
         self.jog.active = True
