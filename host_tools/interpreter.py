@@ -2,13 +2,13 @@
 
     subprocess.Popen(passo("board", "--board", "plotter_2014"))
     subprocess.run([*python(), "-c", "print(1)"])
-    subprocess.run([*micropython(), script], env=environment(folder), cwd=folder)
+    subprocess.run([*micropython_command(), script], env=environment(folder), cwd=folder)
 
 A user stands in a folder of downloads, where a `struct.py` or a folder `passo` may lie: neither the current folder nor the paths of the
 user's environment are searched (-P, -E). The user's own site-packages are, for Passo may be installed there.
 MicroPython always searches its current folder first, so it starts in one of ours.
 
-Every program that Passo or a test starts goes by this module, and main() of `passo` calls isolate() for the rest:
+Every program that Passo or a test starts goes by this module, and main() of `passo` calls isolate_process() for the rest:
 multiprocessing, mpremote's own children, a page's browser.
 """
 
@@ -33,12 +33,12 @@ def passo(*words):
     return [*python(), "-m", "host_tools.cli", *map(str, words)]
 
 
-def mpremote(port):
+def mpremote_command(port):
     """Return the command that runs mpremote with the board on `port`; its own commands follow."""
     return [*python(), "-m", "mpremote", "connect", port]
 
 
-def micropython():
+def micropython_command():
     """Return the command that runs MicroPython, or None: it is a module of CPython, which starts in 6 ms instead of 18 if it looks for no others."""
     found = importlib.util.find_spec("micropython_unix")
     return [sys.executable, "-I", "-S", "-c", _RUN_MICROPYTHON.format(os.path.dirname(found.origin))] if found else None
@@ -51,7 +51,7 @@ def environment(*folders, **more):
     return {**kept, **({"MICROPYPATH": os.pathsep.join(map(str, folders))} if folders else {}), **more}
 
 
-def isolate():
+def isolate_process():
     """Let this process find no modules in the current folder, and processes that it starts in other ways neither there nor in the user's paths.
     Windows looks for programs in the current folder first if no variable forbids it."""
     for name in _PATHS:

@@ -4,7 +4,7 @@
     MAIN            firmware/main.py
     BOARDS          the folder of the project's board files
     EXAMPLES        that of the files that the documents use
-    address()       the project's address, or "not published yet"
+    project_address()   the project's address, or "not published yet"
     version()       "0.1.0": one for tools, firmware and UF2
 """
 
@@ -30,7 +30,7 @@ else:  # package-dir in pyproject.toml says what lies where
 ADDRESS = ""  # of the project, once a release was made; README and tests ask it
 
 
-def address():
+def project_address():
     """Return the address of the project, in words for people."""
     return ADDRESS or "not published yet"
 

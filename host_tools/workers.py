@@ -38,7 +38,7 @@ class _Worker:
 
     def __init__(self, work):
         """Start a process that calls `work`."""
-        interpreter.isolate()  # the other process begins by looking for Python's own modules
+        interpreter.isolate_process()  # the other process begins by looking for Python's own modules
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve_items, args=(work, theirs), daemon=True)

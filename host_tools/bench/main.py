@@ -31,7 +31,7 @@ TESTS = ROOT / "tests_host"
 DOCUMENT = ROOT / "docs" / "reference" / "benchmarks.md"
 _FOLDERS = TESTS / "properties", *sorted((TESTS / "options").glob("*/")), TESTS / "sims", ROOT / "host_tools" / "experiments", ROOT
 CPYTHON = interpreter.python(ROOT / "firmware", *_FOLDERS, ROOT / "host_tools" / "shims")
-MICROPYTHON = interpreter.micropython()
+MICROPYTHON = interpreter.micropython_command()
 _TIMEOUT_S = 600
 
 

@@ -129,7 +129,7 @@ def _connect_agent(boards, served, told, stack):
     return agent
 
 
-def _page_key(file, terminal):
+def _choose_page_key(file, terminal):
     """Return (key of the page at the machine, file that keeps it or None). Without a terminal to print the key on, keep it in a file."""
     from host_tools.clients.page_key import make_key
 
@@ -147,7 +147,7 @@ def _serve_page(port, file, agent, asked, stack):
     from host_tools.shop.local_page import serve
 
     terminal = sys.stdout.isatty()
-    key, file = _page_key(file, terminal)
+    key, file = _choose_page_key(file, terminal)
 
     def run_in_agent(function):
         """Return function() as run by the agent's thread. Raises what it raises, or TimeoutError after 10 s."""

@@ -45,7 +45,7 @@ class Plotted:
         self._travel_s_per_mm = times.object_s([(False, round(1000 * plan.steps_per_mm[0]), 0)])[0] / 1000
 
     @functools.cached_property
-    def _objects(self):
+    def _point_objects(self):
         """Return the drawing as objects of points for the plotter, --points each at most. Made once."""
         return self._plan.objects(self._said.points)
 
@@ -67,7 +67,7 @@ class Plotted:
         """Write the packets to a file. Raises Failure if pens have to be changed, or it cannot be written."""
         if self._changes:
             raise Failure("a file of packets cannot wait for a pen's change: write one file for each layer, by --layer")
-        drawing_progress.write_packets(path, self._objects, self._said.home, self._said.speed)
+        drawing_progress.write_packets(path, self._point_objects, self._said.home, self._said.speed)
         console.print(_("  {0}: to be stored by passo jobs store {0} --protocol plotter", path))
 
     def run(self, console, record, said):
@@ -75,8 +75,8 @@ class Plotted:
         if self._said.unlock:
             raise Failure("--unlock is for machines that speak grbl: a plotter seeks its origin, or draws from where it is by --no-home")
         way = Way(said.resume, said.home)
-        stored = drawing_progress.numbers_of_stored(self._objects, said.speed)
-        run(console, self._objects, self._machine, record, said.port, said.baud or BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
+        stored = drawing_progress.numbers_of_stored(self._point_objects, said.speed)
+        run(console, self._point_objects, self._machine, record, said.port, said.baud or BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
 
 
 def pen_of(part):

@@ -69,13 +69,13 @@ def may_drive_pins(place, names):
 def run_experiments(names, place):
     """Run experiments at a place; return ([(name, Outcome or the reason why there is none)], True if one failed or has a wrong value)."""
     from host_tools.emulator.copies import CopyFailed
-    from host_tools.experiments.experiments import refusal, run
+    from host_tools.experiments.experiments import why_not_here, run
 
     done, failed = [], False
     for number, name in enumerate(names, 1):
         print_progress(f"{number}/{len(names)} {name}")
         try:
-            outcome = refusal(name, place)
+            outcome = why_not_here(name, place)
             if outcome:
                 print_progress(f"{name}: {outcome}")
             else:

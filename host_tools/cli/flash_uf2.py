@@ -36,7 +36,7 @@ Has = namedtuple("Has", "chip stamp version files_at names")
 
 def mpremote_command(port):
     """Return the command that runs mpremote with the board on `port`."""
-    return interpreter.mpremote(port)
+    return interpreter.mpremote_command(port)
 
 
 def ask_command(port):

@@ -17,7 +17,7 @@ class Table:
     """Rows of a board file's interlock, and the masks that the firmware makes of them.
 
     table = Table(boards.load("mill_2004"))
-    table.rows["hx"].value({"bxb": 0, …})
+    table.rows["hx"].is_true({"bxb": 0, …})
     """
 
     def __init__(self, board):
@@ -62,11 +62,11 @@ class Row:
         self.products = products
         self.names = sorted({each for product in products for each in product})
 
-    def value(self, states):
+    def is_true(self, states):
         """True if a product of the row is true. `states`: {input or signal: 0 or 1}."""
         return any(all(states[name] == wanted for name, wanted in product.items()) for product in self.products)
 
-    def text(self):
+    def formula(self):
         """Return the row as a board file has it: products joined by |, inputs by &, ! before one that must be inactive."""
         return " | ".join(
             " & ".join(name if wanted else "!" + name for name, wanted in product.items()) for product in self.products
@@ -75,14 +75,14 @@ class Row:
     def truth_lines(self):
         """Yield (levels of its inputs, value 0 or 1) of every combination: 2ⁿ of n inputs."""
         for levels in product((0, 1), repeat=len(self.names)):
-            yield levels, int(self.value(dict(zip(self.names, levels))))
+            yield levels, int(self.is_true(dict(zip(self.names, levels))))
 
 
 def truth_table(row):
     """Return the lines of a row's truth table; of more than MOST_INPUTS inputs only its formula."""
     if len(row.names) > MOST_INPUTS:
-        return [f"{row.name} = {row.text()}", _("    {} inputs: too many for a table", len(row.names))]
-    lines = [f"{row.name} = {row.text()}", "    " + " ".join(row.names) + f"  {row.name}"]
+        return [f"{row.name} = {row.formula()}", _("    {} inputs: too many for a table", len(row.names))]
+    lines = [f"{row.name} = {row.formula()}", "    " + " ".join(row.names) + f"  {row.name}"]
     for levels, value in row.truth_lines():
         lines.append("    " + " ".join(f"{level:>{len(name)}}" for name, level in zip(row.names, levels)) + f"  {value:>{len(row.name)}}")
     return lines

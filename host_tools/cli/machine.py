@@ -44,7 +44,7 @@ _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 def _mpremote_command(port):
     """Return the command that runs mpremote with the board on `port`."""
-    return interpreter.mpremote(port)
+    return interpreter.mpremote_command(port)
 
 
 def _call_board(port, call, *more):

@@ -157,7 +157,7 @@ def verbs_to_import(words):
 
 def main():
     """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
-    interpreter.isolate()
+    interpreter.isolate_process()
     try:
         command = typer.main.get_command(create_app(verbs_to_import(sys.argv[1:])))
         language.translate_help(command)

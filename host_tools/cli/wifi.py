@@ -42,7 +42,7 @@ def _run_mpremote(port, *words):
     from host_tools.cli.flash import check_port, no_answer_failure
 
     check_port(port)
-    command = [*interpreter.mpremote(port), *words]
+    command = [*interpreter.mpremote_command(port), *words]
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S)
     except subprocess.TimeoutExpired:

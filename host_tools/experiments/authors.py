@@ -1,8 +1,8 @@
 """The figures that the documents print, from authors.json: each with its document, page, and table, figure or section.
 
-    author("square better").value           # 3.96, in author("square better").unit
-    author("square better").place.text()    # 'plotter 2014, p. 76, table 8'
-    document_place("section 2.7.3")         # the same without a figure: the document tells the test, and no number
+    author_figure("square better").value        # 3.96, in author_figure("square better").unit
+    author_figure("square better").place.text() # 'plotter 2014, p. 76, table 8'
+    document_place("section 2.7.3")             # the same without a figure: the document tells the test, and no number
 """
 
 import json
@@ -57,7 +57,7 @@ def document_place(name):
     return Place(name, found["document"], found["page"])
 
 
-def author(name):
+def author_figure(name):
     """Return a figure that a document prints. Raises KeyError if no document has it."""
     found = read_data()["figures"][name]
     value = found["value"] if "value" in found else float(found["printed"].replace(",", "."))

@@ -6,7 +6,7 @@ The bytes are made by the firmware's own status, on the PC or on the chip; the s
 import re
 
 from host_tools import boards
-from host_tools.experiments.authors import Author, author
+from host_tools.experiments.authors import Author, author_figure
 from host_tools.experiments.places import BOARD, VIRTUAL, program_text
 from host_tools.experiments.row import Outcome, Row
 from host_tools.failure import Failure
@@ -102,7 +102,7 @@ def period_us(place, code):
 
 def run(place):
     """Return the Outcome: bytes of the port, and except on a board the speeds, and the diagonal of a triangle."""
-    printed = author("bytes of the port")
+    printed = author_figure("bytes of the port")
     wanted, shown = printed.printed.split(), port_bytes(place)
     outcome = Outcome(_("the file of the document, code by code: the byte that the status shows of the port"))
     for code, byte, ours in zip(FILE, wanted, shown, strict=True):
@@ -111,7 +111,7 @@ def run(place):
         outcome.how += "; " + _("speeds from the status, of a machine of 12.5 µm a step and 312 µs between pulses: the document does not give those of its own")
         speeds = read_speeds(place)
         for code, name in SPEEDS:
-            outcome.add_row(_("speed behind {}", code), author(name), speeds[code], "mm/min")
+            outcome.add_row(_("speed behind {}", code), author_figure(name), speeds[code], "mm/min")
         label = _("diagonal of a triangle with two sides of 10 cm, by the time that its steps take at the same speed")
-        outcome.add_row(label, author("diagonal"), SIDE_CM * period_us(place, DIAGONAL) / period_us(place, STRAIGHT), "cm")
+        outcome.add_row(label, author_figure("diagonal"), SIDE_CM * period_us(place, DIAGONAL) / period_us(place, STRAIGHT), "cm")
     return outcome

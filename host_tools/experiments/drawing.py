@@ -7,7 +7,7 @@ draw the objects as Passo does, from the first packet to DONE: it computes ahead
 from statistics import fmean
 
 from host_tools.experiments import charts
-from host_tools.experiments.authors import author
+from host_tools.experiments.authors import author_figure
 from host_tools.experiments.lines import LONGEST, ON_THE_CHIP, WORDS, points_of
 from host_tools.experiments.places import BOARD, VIRTUAL, program_text
 from host_tools.experiments.row import Outcome, percent_better
@@ -30,16 +30,16 @@ def run(place):
         label = _(WORDS[name])
         if name in paced:
             integer_s, float_s = paced[name]
-            outcome.add_row(_("{}, integer line", label), author(f"{name} integer"), integer_s, "s")
-            outcome.add_row(_("{}, floating-point line", label), author(f"{name} float"), float_s, "s")
-            outcome.add_row(_("{}, integer line better by", label), author(f"{name} better"), percent_better(float_s, integer_s), "%")
+            outcome.add_row(_("{}, integer line", label), author_figure(f"{name} integer"), integer_s, "s")
+            outcome.add_row(_("{}, floating-point line", label), author_figure(f"{name} float"), float_s, "s")
+            outcome.add_row(_("{}, integer line better by", label), author_figure(f"{name} better"), percent_better(float_s, integer_s), "%")
         if name in drawn:
-            outcome.add_row(_("{}, drawn by Passo", label), author(f"{name} integer"), drawn[name], "s")
+            outcome.add_row(_("{}, drawn by Passo", label), author_figure(f"{name} integer"), drawn[name], "s")
     if paced:
         gain = percent_better(fmean(row[1] for row in paced.values()), fmean(row[0] for row in paced.values()))
-        outcome.add_row(_("mean, integer line better by"), author("mean better"), gain, "%")
+        outcome.add_row(_("mean, integer line better by"), author_figure("mean better"), gain, "%")
     if drawn:
-        outcome.add_row(_("square of the log, first packet to DONE"), author("square of the log"), drawn["log"], "s")
+        outcome.add_row(_("square of the log, first packet to DONE"), author_figure("square of the log"), drawn["log"], "s")
     _add_picture(outcome, paced, drawn)
     return outcome
 
@@ -100,7 +100,7 @@ def _send_packet(machine, command, answer, x=0, y=0):
 def _add_picture(outcome, paced, drawn):
     """Add the picture of all drawing times, in seconds."""
     names = list(points_of())
-    groups = {_("the document, integer"): [author(f"{name} integer").value for name in names]}
+    groups = {_("the document, integer"): [author_figure(f"{name} integer").value for name in names]}
     if paced:
         groups[_("integer")] = [paced[name][0] for name in names]
         groups[_("floating point")] = [paced[name][1] for name in names]

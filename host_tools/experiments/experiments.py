@@ -42,7 +42,7 @@ def check_names(names):
     return list(dict.fromkeys(names)) or list(EXPERIMENTS)
 
 
-def refusal(name, place):
+def why_not_here(name, place):
     """Return the reason why an experiment is left out at a place, a sentence; "" if it is not."""
     experiment = EXPERIMENTS[name]
     if place.kind not in experiment.kinds:

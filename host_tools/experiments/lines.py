@@ -5,7 +5,7 @@ from statistics import fmean
 
 from host_tools.drawings.objects import objects
 from host_tools.experiments import board_lines, charts
-from host_tools.experiments.authors import author, without_figure
+from host_tools.experiments.authors import author_figure, without_figure
 from host_tools.experiments.places import VIRTUAL, program_text
 from host_tools.experiments.row import Outcome, percent_better
 from host_tools.language import N_, _
@@ -64,7 +64,7 @@ def run(place):
     gains = {name: percent_better(float_us, integer_us) for name, (integer_us, _a, float_us, _b) in times.items()}
     gains["mean"] = percent_better(fmean(row[2] for row in times.values()), fmean(row[0] for row in times.values()))
     for name, gain in gains.items():
-        outcome.add_row(_("integer line better by: {}", _(WORDS[name])), author(f"{name} better"), gain, "%")
+        outcome.add_row(_("integer line better by: {}", _(WORDS[name])), author_figure(f"{name} better"), gain, "%")
     for label, at in ((_("integer line, a step"), 0), (_("floating-point line, a step"), 2)):
         each = sum(row[at] for row in times.values()) / sum(row[at + 1] for row in times.values())
         unit, value = (_("cycles"), each * mhz) if mhz else ("µs", each)

@@ -5,7 +5,7 @@ highest rate: it shows the documents' rates instead, by its motors.
 """
 
 from host_tools.experiments import charts
-from host_tools.experiments.authors import author
+from host_tools.experiments.authors import author_figure
 from host_tools.experiments.places import BOARD, VIRTUAL
 from host_tools.experiments.row import Outcome
 from host_tools.language import _
@@ -92,7 +92,7 @@ def run(place):
     outcome = Outcome("")
     if place.kind != BOARD:
         outcome.how = _("the kit's motor by its coils")
-        outcome.add_row(_("kit, speed 1"), author("pause of the kit"), kit_rate(place), _("steps/s"))
+        outcome.add_row(_("kit, speed 1"), author_figure("pause of the kit"), kit_rate(place), _("steps/s"))
     if place.kind != VIRTUAL:
         _add_fastest(place, outcome)
     return outcome
@@ -108,7 +108,7 @@ def _add_fastest(place, outcome):
     for label, found in rows:
         if found:
             tried = _("tried: {} kHz", ", ".join(map(str, found)))
-            outcome.add_row(label, author("pulses of the drawing"), max((khz for khz, right in found.items() if right), default=0), "kHz", tried)
+            outcome.add_row(label, author_figure("pulses of the drawing"), max((khz for khz, right in found.items() if right), default=0), "kHz", tried)
     names = [_("document, figure 10"), "PIO", _("timer")]
-    highest = [author("pulses of the drawing").value, *(max((khz for khz, right in found.items() if right), default=None) for found in (by_pio, by_timer))]
+    highest = [author_figure("pulses of the drawing").value, *(max((khz for khz, right in found.items() if right), default=None) for found in (by_pio, by_timer))]
     outcome.pictures.append((_("Highest clean rate, kHz"), charts.draw_bars(names, {"kHz": highest}, "kHz")))

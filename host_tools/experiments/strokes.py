@@ -7,7 +7,7 @@ difference of the document's is its steps/mm or its mechanics, not its counting.
 from dataclasses import dataclass
 
 from host_tools.experiments import charts
-from host_tools.experiments.authors import author
+from host_tools.experiments.authors import author_figure
 from host_tools.experiments.places import VIRTUAL
 from host_tools.experiments.row import Outcome, figure_text
 from host_tools.language import _
@@ -72,12 +72,12 @@ def run(place):
     outcome = Outcome(_("the motors' steps, counted and divided by the document's 48 and 83 steps/mm; on paper measure with a calliper, and give the lengths to passo calibrate"))
     for each in strokes:
         told = _("at {} mm/min", figure_text(60 * each.mm_s))
-        outcome.add_row(_("{}, {} mm asked for", each.axis.upper(), each.length), author(f"{each.axis} {each.length}"), each.made, "mm", told)
+        outcome.add_row(_("{}, {} mm asked for", each.axis.upper(), each.length), author_figure(f"{each.axis} {each.length}"), each.made, "mm", told)
     if place.kind != VIRTUAL:  # which computes in no time
-        outcome.add_row(_("from a move's last byte to its first step, at most"), author("click to motion"), max(each.wait_s for each in strokes), "s")
+        outcome.add_row(_("from a move's last byte to its first step, at most"), author_figure("click to motion"), max(each.wait_s for each in strokes), "s")
     names = [f"{each.axis.upper()} {each.length} mm" for each in strokes]
     errors = {
-        _("document"): [author(f"{each.axis} {each.length}").value - each.length for each in strokes],
+        _("document"): [author_figure(f"{each.axis} {each.length}").value - each.length for each in strokes],
         _("ours, steps counted"): [each.made - each.length for each in strokes],
     }
     outcome.pictures.append((_("Length made less the length asked for, mm"), charts.draw_bars(names, errors, "mm")))

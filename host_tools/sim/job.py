@@ -103,7 +103,7 @@ class VirtualJob:
         self._progress = None
         self._runner = None
         self._process = None
-        command = None if inside else interpreter.micropython()
+        command = None if inside else interpreter.micropython_command()
         if command:
             self._start_process(command)
         else:

@@ -39,7 +39,7 @@ class Emulator(Board):
 
     def mpremote(self, *arguments, timeout=120):
         """Return mpremote's output. Raises CalledProcessError."""
-        command = [*interpreter.mpremote(self.ports["usb"]), *map(str, arguments)]
+        command = [*interpreter.mpremote_command(self.ports["usb"]), *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=timeout).stdout
 
 

@@ -45,7 +45,7 @@ class Pico:
         return subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=LIMIT_S)
 
     def mpremote(self, *arguments):
-        command = [*interpreter.mpremote(self.port), *map(str, arguments)]
+        command = [*interpreter.mpremote_command(self.port), *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=LIMIT_S).stdout
 
     def bootsel(self):

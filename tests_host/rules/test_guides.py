@@ -9,7 +9,7 @@ import pytest
 
 from host_tools import boards
 from host_tools.build import pictures
-from host_tools.resources import ROOT, address
+from host_tools.resources import ROOT, project_address
 from passo.config import boardfile
 from test_docs import PAGES, blocks, check
 
@@ -154,7 +154,7 @@ def test_readme_is_read_in_a_minute():
     first = text[: text.index("\n## ")]
     assert "Status: 0.1.0" in first and "No report of a real board yet" in first and "\n| " not in first
     assert first.index("Status: ") < first.index("\n    make venv && ") < first.index("\n    passo panel --demo --open "), "the first screen has no command"
-    assert f"**{address()}**" in text.split("## Get it")[1] and "github.com" not in text
+    assert f"**{project_address()}**" in text.split("## Get it")[1] and "github.com" not in text
 
 
 def test_the_film_begins_with_what_becomes_of_it():

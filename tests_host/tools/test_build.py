@@ -353,7 +353,7 @@ def test_build_says_which_pins_are_free(tmp_path):
 
 def test_scripts_of_a_build_find_the_modules_beside_them(tmp_path, monkeypatch):
     """As makemanifest.py of MicroPython does, which `make uf2` starts."""
-    monkeypatch.setenv("PYTHONSAFEPATH", "1")  # as isolate() sets it
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")  # as isolate_process() sets it
     (tmp_path / "beside.py").write_text("")
     (tmp_path / "script.py").write_text("import beside")
     uf2.run([interpreter.python()[0], str(tmp_path / "script.py")])

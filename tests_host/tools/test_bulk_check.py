@@ -20,7 +20,7 @@ from host_tools.sim.job_runner import Resting
 from host_tools.sim.track import SPACING_MM, SPEED_TICKS, TICKS_PER_S, Rows, Track
 
 JOBS = all_jobs()
-needs_micropython = pytest.mark.skipif(interpreter.micropython() is None, reason="there is no MicroPython")
+needs_micropython = pytest.mark.skipif(interpreter.micropython_command() is None, reason="there is no MicroPython")
 
 
 class Edges(Resting):
@@ -145,7 +145,7 @@ def test_the_same_as_edge_by_edge(board, name):
     lines = plain(JOBS[name][1])
     world, begun = by_edges(board, lines)
     assert world.steps > 100
-    runs = [True, False] if interpreter.micropython() else [True]
+    runs = [True, False] if interpreter.micropython_command() else [True]
     for inside in runs:
         job = VirtualJob(board, inside=inside)
         job.run(list(enumerate(lines, 1)))
@@ -158,7 +158,7 @@ def test_a_board_with_flash_and_radio(tmp_path):
     file = tmp_path / "kept.py"
     more = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}, "network": {"host": "passo"}}
     file.write_text(f"BOARD = {({**boards.load('router_3axis'), **more})!r}\n")
-    for inside in [True, False] if interpreter.micropython() else [True]:
+    for inside in [True, False] if interpreter.micropython_command() else [True]:
         job = VirtualJob(str(file), inside=inside)
         job.run(enumerate([b"G1X2F600"], 1))
         assert not job.errors and job.high[0] == 2
@@ -169,7 +169,7 @@ def test_a_pen_on_a_servo(tmp_path):
     board = boards.load("laser_xy")
     pen = {"tool": {"pin": 6, "on_ms": 420, "off_ms": 120}, "servo": {"pin": 7, "up_us": 1800, "down_us": 1200, "up_ms": 100, "down_ms": 400}}
     file.write_text(f"BOARD = {({**board, 'spindle': {'max_rpm': 1000}, **pen})!r}\n")
-    for inside in [True, False] if interpreter.micropython() else [True]:
+    for inside in [True, False] if interpreter.micropython_command() else [True]:
         job = VirtualJob(str(file), inside=inside)
         job.run(enumerate([b"M3S1000", b"G1X2F600", b"M5"], 1))
         assert not job.errors and job.high[0] == 2 and job.seconds > 0.42 + 0.2  # the pen goes down, then the line
@@ -194,7 +194,7 @@ def test_the_same_under_both_interpreters(name):
 
 def test_notes_come_under_both_interpreters():
     lines = [b"G1X2F600", b"$H", b"E1", b"X4M0", b"G38.2Z-1F300", b"G1X0"]
-    runs = [True, False] if interpreter.micropython() else [True]
+    runs = [True, False] if interpreter.micropython_command() else [True]
     for inside in runs:
         job = VirtualJob("router_3axis", inside=inside)
         job.run(enumerate(lines, 1))
@@ -215,7 +215,7 @@ def test_lines_that_fail_end_the_job():
 
 @needs_micropython
 def test_a_firmware_that_ends_is_a_failure(monkeypatch):
-    monkeypatch.setattr(interpreter, "micropython", lambda: [*interpreter.python(), "-c", "raise SystemExit('no room')"])
+    monkeypatch.setattr(interpreter, "micropython_command", lambda: [*interpreter.python(), "-c", "raise SystemExit('no room')"])
     with pytest.raises(Failure, match="MicroPython has ended: no room"):
         VirtualJob("router_3axis")
 
@@ -239,7 +239,7 @@ def test_the_firmware_starts_compiled_where_it_can_and_from_its_sources_elsewher
         unix_compiled.firmware_for.cache_clear()
         job = VirtualJob("router_3axis")
         job.run(enumerate([b"G21G90", b"G1X9Y4F1500", b"G2X5I-2F900", b"G1X99999"], 1))
-        folder, arguments = unix_compiled.firmware_for(tuple(interpreter.micropython()), job_module.job_runner.__file__)
+        folder, arguments = unix_compiled.firmware_for(tuple(interpreter.micropython_command()), job_module.job_runner.__file__)
         kinds = {path.suffix for path in folder.rglob("*") if path.is_file()}
         assert kinds == ({".mpy"} if arguments[0] == "-m" else {".py"})
         found.append((arguments[0] == "-m", job.seconds, job.track.steps, job.errors, job.track.samples.tolist()))

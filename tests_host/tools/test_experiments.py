@@ -23,7 +23,7 @@ from host_tools.cli.main import app
 from host_tools.clients.grbl import GrblClient
 from host_tools.experiments import arcs, authors, board_lines, charts, codes, drawing, homing, inputs, lines, rates, report, strokes
 from host_tools.experiments.board_cordic import document_end, firmware_end
-from host_tools.experiments.experiments import EXPERIMENTS, refusal
+from host_tools.experiments.experiments import EXPERIMENTS, why_not_here
 from host_tools.experiments.places import BOARD, Virtual
 from host_tools.experiments.row import Outcome, Row, percent_better
 from host_tools.failure import Failure
@@ -54,7 +54,7 @@ def passo(*words):
 
 def test_each_figure_has_its_place_and_is_the_number_that_is_printed():
     for name, row in authors.read_data()["figures"].items():
-        found = authors.author(name)
+        found = authors.author_figure(name)
         assert found.place.document in authors.NAMES and found.place.text() and found.unit, name
         digits = re.sub(r"[^\d,.]", "", row["printed"])
         assert "value" in row or found.value == float(digits.replace(",", ".")), name
@@ -62,11 +62,11 @@ def test_each_figure_has_its_place_and_is_the_number_that_is_printed():
 
 def test_table_8_is_consistent():
     """Its percentages are float / integer − 1, and its last row the mean of the times."""
-    integer, floating = ([authors.author(f"{name} {kind}").value for name in OBJECTS] for kind in ("integer", "float"))
+    integer, floating = ([authors.author_figure(f"{name} {kind}").value for name in OBJECTS] for kind in ("integer", "float"))
     for name, a, b in zip(OBJECTS, integer, floating):
-        assert percent_better(b, a) == pytest.approx(authors.author(f"{name} better").value, abs=0.01)
-    assert authors.author("mean integer").value == pytest.approx(fmean(integer), abs=2e-3)
-    assert authors.author("mean float").value == pytest.approx(fmean(floating), abs=2e-3)
+        assert percent_better(b, a) == pytest.approx(authors.author_figure(f"{name} better").value, abs=0.01)
+    assert authors.author_figure("mean integer").value == pytest.approx(fmean(integer), abs=2e-3)
+    assert authors.author_figure("mean float").value == pytest.approx(fmean(floating), abs=2e-3)
 
 
 def test_the_figures_are_those_of_the_documents():
@@ -126,7 +126,7 @@ def test_the_square_of_the_log_takes_the_pace_and_the_pen():
     pace_s = sum(max(abs(b[1] - a[1]), abs(b[2] - a[2])) for a, b in zip([(0, 0, 0), *drawing.LOG], drawing.LOG)) * 2225e-6
     took_s = drawing.draw_objects(VIRTUAL)["log"]
     assert pace_s + 0.12 <= took_s <= pace_s + 0.15
-    assert pace_s == pytest.approx(authors.author("square of the log").value, abs=0.01)
+    assert pace_s == pytest.approx(authors.author_figure("square of the log").value, abs=0.01)
 
 
 # --- arcs
@@ -198,7 +198,7 @@ def test_strokes_are_as_long_as_asked_for():
 
 
 def test_the_kit_makes_250_steps_a_second():
-    assert rates.kit_rate(VIRTUAL) == pytest.approx(authors.author("pause of the kit").value, rel=1e-3)
+    assert rates.kit_rate(VIRTUAL) == pytest.approx(authors.author_figure("pause of the kit").value, rel=1e-3)
 
 
 def test_homing_ends_on_the_same_step():
@@ -262,7 +262,7 @@ def test_a_board_measures_what_its_board_file_can():
 def outcome(*values):
     made = Outcome("some way of measuring")
     for at, value in enumerate(values):
-        made.rows.append(Row(f"row <{at}>", authors.author("square better"), value, "%", agrees=value > 0))
+        made.rows.append(Row(f"row <{at}>", authors.author_figure("square better"), value, "%", agrees=value > 0))
     made.pictures.append(("a picture", charts.draw_bars(["a", "b"], {"one": [1, -2], "two": [None, 3]}, "s")))
     return made
 
@@ -315,9 +315,9 @@ def test_what_is_refused_is_told(monkeypatch, tmp_path, words, told):
 def test_a_board_moves_only_if_that_is_allowed():
     place = OnRouter("", latch=True)
     place.moves = False
-    assert {name for name in EXPERIMENTS if refusal(name, place)} == {"inputs", "strokes", "rates", "homing", "codes"}
+    assert {name for name in EXPERIMENTS if why_not_here(name, place)} == {"inputs", "strokes", "rates", "homing", "codes"}
     place.moves = True
-    assert {name for name in EXPERIMENTS if refusal(name, place)} == {"inputs", "strokes", "codes"}, "a router speaks no pulses"
+    assert {name for name in EXPERIMENTS if why_not_here(name, place)} == {"inputs", "strokes", "codes"}, "a router speaks no pulses"
 
 
 def test_ctrl_c_keeps_what_was_measured(monkeypatch, tmp_path):

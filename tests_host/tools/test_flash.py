@@ -43,7 +43,7 @@ def run_flash(*arguments):
 def test_dry_run_transcript(folder):
     result = run_flash("--port", "/dev/ttyACM0", "--dry-run")
     assert result.exit_code == 0, result.output
-    mpremote = shlex.join(interpreter.mpremote("/dev/ttyACM0"))
+    mpremote = shlex.join(interpreter.mpremote_command("/dev/ttyACM0"))
     assert result.output.splitlines()[-2:] == [
         f"{mpremote} run {shlex.quote(str(flash.flash_uf2.ASK))}",
         f"{mpremote} run {shlex.quote(str(flash.REMOVE_STAMP))} + cp build/plotter_2014/main.py :"

@@ -92,7 +92,7 @@ def test_a_verb_executes_no_file_of_others(downloads, verb, words):
 def test_a_program_that_passo_starts_takes_no_path_of_the_user(downloads):
     """The user's variables name the folder, too."""
     paths = {"PYTHONPATH": str(downloads), "MICROPYPATH": str(downloads), "PYTHONHOME": ""}
-    for command in (interpreter.passo("wiring", "router_3axis"), [*interpreter.python(), "-c", "import struct, typing, passo, host_tools"], interpreter.mpremote("nosuch")):
+    for command in (interpreter.passo("wiring", "router_3axis"), [*interpreter.python(), "-c", "import struct, typing, passo, host_tools"], interpreter.mpremote_command("nosuch")):
         _status, said = run(downloads, command, **paths)
         assert executed(downloads) == [] and "a file of others" not in said, said
     assert "router" in run(downloads, interpreter.passo("wiring", "router_3axis"), **paths)[1]

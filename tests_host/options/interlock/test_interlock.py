@@ -44,12 +44,12 @@ def test_row_is_the_documents_equation(name):
     names = list(inspect.signature(equation).parameters)
     assert set(row.names) <= set(names)
     for states in combinations(names):
-        assert row.value(states) == bool(equation(**states)), states
+        assert row.is_true(states) == bool(equation(**states)), states
 
 
 def test_the_parallel_port_never_moves_x2():
     for states in combinations(("bxa", "bxb", "dx1", "dx2", "hx2c", "sx2c", "sel")):
-        assert not (MILL.rows["hx2"].value(states) and not states["sel"])
+        assert not (MILL.rows["hx2"].is_true(states) and not states["sel"])
     assert not any(name.endswith("p") for name in MILL.rows["hx2"].names + MILL.rows["sx2"].names)
 
 
@@ -70,15 +70,15 @@ def test_a_parallel_port_program_on_the_table():
         for name in ("hxc", "hx2c", "hyc", "hzc", "hxp", "hyp", "hzp", "sxc", "sx2c", "syc", "szc", "sxp", "syp", "szp", "rc0"):
             states[name] = rng.randrange(2)
         states["hx2c"], states["sx2c"] = states["hxc"], states["sxc"]
-        enabled = MILL.rows["enm"].value(states)
+        enabled = MILL.rows["enm"].is_true(states)
         for axis in places:
-            if not MILL.rows["h" + axis].value(states):
+            if not MILL.rows["h" + axis].is_true(states):
                 continue
             assert axis != "x2" or states["sel"]
             if not enabled:
                 cut += states["urg"]
                 continue
-            step = 1 if MILL.rows["s" + axis].value(states) else -1
+            step = 1 if MILL.rows["s" + axis].is_true(states) else -1
             assert not (axis == "z" and step < 0 and states["pal"])
             places[axis] += step
             moved[axis] += 1
@@ -165,7 +165,7 @@ def test_a_documented_table_keeps_its_rules(name, section, rules):
         meaning = compile(rule, "rule", "eval")
         for states in combinations(table.inputs):
             for each in names.split("` `"):
-                assert gated[each].value(states) == bool(eval(meaning, {}, states)), (each, states)
+                assert gated[each].is_true(states) == bool(eval(meaning, {}, states)), (each, states)
 
 
 @pytest.mark.parametrize("name, section, rules", documented())
@@ -332,6 +332,6 @@ def test_truth_table_and_picture(tmp_path):
 
 def test_a_row_reads_what_parse_made():
     row = Row("x", manifest_table.parse_row("a & !b | c"))
-    assert [row.value(dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
+    assert [row.is_true(dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
         False, True, False, True, True, True, False, True
     ]  # fmt: skip
