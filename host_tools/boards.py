@@ -226,7 +226,8 @@ def own_table(text, found):
 
 
 def _board_value(statement):
-    """Return the value of `BOARD = …`. Raises ValueError or another error if it is another statement, or more than plain values."""
+    """Return the value of `BOARD = …`. Raises ValueError, TypeError, RecursionError or MemoryError if it is another statement, or more than plain
+    values."""
     if not _assigns_board(statement):
         raise ValueError
     return ast.literal_eval(statement.value)

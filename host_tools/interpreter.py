@@ -39,7 +39,8 @@ def mpremote_command(port):
 
 
 def micropython_command():
-    """Return the command that runs MicroPython, or None: it is a module of CPython, which starts in 6 ms instead of 18 if it looks for no others."""
+    """Return the command that runs MicroPython, None if it is not installed. It runs as a module of CPython, and starts in 6 ms instead of 18 because
+    it looks for no other modules."""
     found = importlib.util.find_spec("micropython_unix")
     return [sys.executable, "-I", "-S", "-c", _RUN_MICROPYTHON.format(os.path.dirname(found.origin))] if found else None
 

@@ -2,7 +2,7 @@
 
     board = as_set(board, {100: "49.218", 130: "200.000"})
     board, told = as_running(board, "plotter", "/dev/ttyUSB0", 57600)   # asks the board; `told`: a line for people
-    board, told = by_client(board, client)                              # the same of one that is connected
+    board, told = with_client_settings(board, client)                   # the same of one that is connected
 
 Every command of the PC that turns mm into steps asks here, so that all count alike.
 """
@@ -43,7 +43,7 @@ def as_running(board, language, port, baud=None):
     return _compare_scales(board, found)
 
 
-def by_client(board, client):
+def with_client_settings(board, client):
     """Return as_running() of a board that a client of any language but grbl is connected to."""
     from host_tools.clients.settings import Asked
 

@@ -159,7 +159,8 @@ def entry_text(ms, number, who):
 
 
 def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
-    """Return a line about an input of the interlock: its state, and its trips and glitches since the start."""
+    """Return a line about an input of the interlock: its state, its trips and glitches since the start, and when and how long it was active last
+    (texts of ms; a `lasted_ms` of -1: it still is)."""
     state = _("active") if active == "1" else _("inactive")
     text = _("input {}: {}, stopped the machine {} times, {} glitches", name, state, trips, glitches)
     if int(at_ms):

@@ -18,7 +18,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import language
-from host_tools.cli.usage import speak_by_itself
+from host_tools.cli.usage import translate_command_line
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 from host_tools.resources import version
@@ -161,7 +161,7 @@ def main():
     try:
         command = typer.main.get_command(create_app(verbs_to_import(sys.argv[1:])))
         language.translate_help(command)
-        speak_by_itself(command)
+        translate_command_line(command)
         help_with_first_steps(command)
         command()
     except Failure as failure:

@@ -131,7 +131,7 @@ def _send_object(client, points):
 
 
 def _send_item(client, item):
-    """Send one item, and print it with its answer. Return the seconds of an object, else None. Raises Failure."""
+    """Send one item, and print it with its answer. Return the seconds of an object, else None. Raises Failure, also on Ctrl-C."""
     from host_tools.clients.plotter import Cancelled
     from host_tools.clients.wire import packet_text
     from passo.protocols.plotter import host as plotter

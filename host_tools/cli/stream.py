@@ -287,7 +287,7 @@ class Panel:
         return (done - before) / (now - begun) if now > begun else 0.0
 
     def _note_pause(self, paused, now):
-        """Leave a hold out of the job's time, by a key, the door, or M0 in the program. `now`: seconds."""
+        """Keep a hold, by a key, the door, or M0 in the program, out of the job's time. `now`: s, monotonic."""
         if paused and self._paused_at is None:
             self._paused_at = now
         elif not paused and self._paused_at is not None:

@@ -41,14 +41,14 @@ class Units:
     def __init__(self, board, steps, client):
         """Take the steps/mm of the board that `client` is connected to, else those of the board file `board`; with `steps` 1."""
         from host_tools import boards
-        from host_tools.running_board import by_client
+        from host_tools.running_board import with_client_settings
 
         self.steps = steps
         self.per_mm = (1.0, 1.0)
         self.whose = ""  # a line that says whose steps/mm count; "" if the board's are the file's
         if not steps:
             file = boards.load(board)
-            here, self.whose = by_client(file, client)
+            here, self.whose = with_client_settings(file, client)
             self.per_mm = boards.steps_per_mm(here)
             if here is not file and self.per_mm == boards.steps_per_mm(file):
                 self.whose = ""

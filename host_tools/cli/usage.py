@@ -1,6 +1,6 @@
 """Texts of typer itself in the language chosen: usage, the frames of --help, errors of a command line. Typer has no catalogue.
 
-    speak_by_itself(typer.main.get_command(app))
+    translate_command_line(typer.main.get_command(app))
 """
 
 import typer
@@ -24,7 +24,7 @@ SENTENCES = (
 )  # fmt: skip
 
 
-def speak_by_itself(command):
+def translate_command_line(command):
     """Translate usage and errors that a command of click and its subcommands make themselves, into the language chosen by then."""
     for name in ("make_context", "invoke"):
         setattr(command, name, _reword_refusals(getattr(command, name)))

@@ -32,7 +32,7 @@ class Stroke:
 
 
 def draw_strokes(place):
-    """Return the strokes there as Stroke, measured by the plant's motors; each goes back."""
+    """Draw the strokes at a place, and go back after each; return them as Stroke, measured by the plant's motors."""
     machine = place.create_machine("torch_manipulator")
     try:
         machine.run_ms(CONNECT_MS if place.kind == VIRTUAL else UP_MS)

@@ -323,7 +323,7 @@ def test_what_typer_says_of_a_wrong_command_line():
     from host_tools.cli import main, usage
 
     command = typer.main.get_command(main.app)
-    usage.speak_by_itself(command)
+    usage.translate_command_line(command)
     try:
         for words in ("drw", "draw", "draw x --nix", "draw x --hom", "draw x --margin y", "draw x --points y", "draw x --points 0", "check x y",
                       "draw x --margin", "draw x --home=1", "board --http 70000", "wifi bridge"):  # fmt: skip
