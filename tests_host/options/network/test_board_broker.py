@@ -214,7 +214,7 @@ def test_a_network_that_takes_a_byte_at_a_time_gets_whole_packets(alone):
     for now_ms in range(1, 2000):
         sockets[0].room = 1
         told.poll(now_ms)
-        told.tell(state(w=[now_ms / 100, 0.0]))
+        told.publish_state(state(w=[now_ms / 100, 0.0]))
     sockets[0].room = 10_000
     told.poll(2000)
     kinds = [kind for kind, _body in packets(sockets[0].taken)]
@@ -230,7 +230,7 @@ def test_one_that_takes_nothing_is_given_up_and_begun_anew(alone):
         told.poll(now_ms)
         if sockets:
             sockets[-1].room = 0
-        told.tell(state(w=[now_ms / 100, 0.0]))
+        told.publish_state(state(w=[now_ms / 100, 0.0]))
         sent += 1
     assert len(sockets) == 4 and not any(each.open for each in sockets[:-1])
 
@@ -266,11 +266,11 @@ def test_a_broker_that_refuses_is_asked_again_later(alone):
 def test_a_stored_job(alone):
     told, sockets, _stops = alone
     told.poll(0)
-    told.tell(state(state="Run", stored="40,PART.NC?"))
+    told.publish_state(state(state="Run", stored="40,PART.NC?"))
     told.poll(1)
     said = [body for kind, body in packets(sockets[0].taken) if kind == 0x31]
     assert b"\0\x10passo/mill-3/jobPART.NC" in said and b"\0\x15passo/mill-3/progress40" in said and b"\0\x12passo/mill-3/staterun" in said
-    told.tell(state())
+    told.publish_state(state())
     told.poll(2)
     said = [body for kind, body in packets(sockets[0].taken) if kind == 0x31]
     assert said[-3:] == [b"\0\x12passo/mill-3/stateidle", b"\0\x10passo/mill-3/job", b"\0\x15passo/mill-3/progress"]
