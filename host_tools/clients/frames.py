@@ -139,6 +139,7 @@ class FramedPort:
         self._send_due()
 
     def reset_input_buffer(self):
+        """Forget bytes received and not read."""
         self._poll_wire()
         self._received.clear()
 

@@ -68,7 +68,7 @@ class Wire:
             self._log = None
 
     def send(self, data):
-        """Write `data` as it is."""
+        """Send `data` as it is, and log it. Raises LinkError."""
         self._log_bytes(">", data, packet_text(data))
         try:
             self._serial.write(data)

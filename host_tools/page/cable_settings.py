@@ -30,9 +30,11 @@ class Known:
         self._scale = scale
 
     def jog_steps(self, axis):
+        """Steps of one jog of an axis, at least 1."""
         return max(1, round(float(self._values[JOG + axis]) * self._scale[axis]))
 
     def jog_steps_s(self, axis):
+        """Speed of a jog of an axis in steps/s, at least 1."""
         return max(1, round(float(self._values[JOG_SPEED + axis]) * self._scale[axis] / 60))
 
 

@@ -217,9 +217,11 @@ class GrblMachine(_Cabled):
             self._tell({"t": "said", "text": "error:%d" % error if error else "ok"})
 
     def home(self):
+        """Send `$H`, in an alarm that wants it behind a reset. Returns 0 or an error."""
         return self._reset_before(lambda: self._send_or_reset(b"$H"))
 
     def unlock(self):
+        """Send `$X`, in an alarm that wants it behind a reset. Returns 0 or an error."""
         return self._reset_before(lambda: self._send_or_reset(b"$X"))
 
     def _send_or_reset(self, line):

@@ -111,4 +111,5 @@ class PulsesMachine(_Cabled):
         return self.stop() if self.job.is_sending() else _Cabled.hold(self)
 
     def play(self, what):
+        """Go on with the file, see PulsesPage.play(), if the board has one. Returns 0 or an error."""
         return self.job.replay_refusal() or PulsesPage.play(self, what)

@@ -105,6 +105,7 @@ class RecoverableJobs(StoredJobs):
         self._machine.beside(work, take_result)
 
     def _set_offer(self, offer):
+        """Show an offer on the pages; None: there is none."""
         self._machine.state["recover"] = offer
 
     def _find_offer(self, said):

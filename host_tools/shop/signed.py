@@ -15,10 +15,12 @@ SHOP = "shop"  # the shop orders; the nonce is the machine's
 
 
 def _make_session(key, end, nonce):
+    """The session that signs and checks messages for one end, under a nonce."""
     return Session(key, f"{end} {nonce}")
 
 
 def sign_message(key, end, nonce, count, body):
+    """Sign a dict: the text `COUNT.PROOF.JSON` for `end`, under its nonce."""
     text = json.dumps(body, ensure_ascii=False)
     return f"{count}.{_make_session(key, end, nonce).proof(str(count), text)}.{text}"
 

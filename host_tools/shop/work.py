@@ -169,6 +169,7 @@ class Work:
         return {"how": self.how, "file": name, "line": self.line, "text": self.text or self._yields, "ended": self._ended, "down": self._job.waits_to_go_down()}
 
     def _travel_mm(self):
+        """The travel of X and Y in mm, from settings $130 and $131."""
         settings = self._machine.settings
         return [round(float(settings.get(number, 0)), 3) for number in (130, 131)]
 
@@ -186,6 +187,7 @@ class Work:
     # --- who stands at the machine
 
     def act(self, what):
+        """Carry out an order of the person at the machine: "release", "withdraw", "go" or "give up". Returns "", or why not."""
         return {"release": self._release_machine, "withdraw": self._withdraw_release, "go": self._go_ahead, "give up": self._give_up}.get(what, lambda: _("no such order"))()
 
     def press_button(self):
@@ -289,6 +291,7 @@ class Work:
             self._since_s = now_s
 
     def _change_state(self, how, text="", line=0):
+        """Change to the state `how`, with the text for people and the job's line."""
         self.how, self.text, self.line = how, text, line
         self._since_s = 0.0
         self._quiet_s = time.monotonic()
@@ -402,6 +405,7 @@ class Work:
             self._change_state(RUN, "", self.line)
 
     def _fall_back(self, text):
+        """Wait for "go" with a job, rest without one; `text`: the reason."""
         if self._order:
             self._change_state(WAITS, text, self.line)
         else:

@@ -185,9 +185,11 @@ class GrblPage(PageMachine):
         return self.queue_command(Command(commands.RESET))
 
     def home(self):
+        """Queue homing, in an alarm that wants it behind a reset. Returns 0 or an error."""
         return self._reset_before(lambda: self._queue_line("$H"))
 
     def unlock(self):
+        """Queue the unlock, in an alarm that wants it behind a reset. Returns 0 or an error."""
         return self._reset_before(lambda: self.queue_command(Command(commands.UNLOCK)))
 
     def _reset_before(self, say):

@@ -29,6 +29,7 @@ class Kit:
         self._held = 0  # the motor that turns while a button is held
 
     def is_turning(self):
+        """True if a motor is on."""
         return bool([motor for motor in self._motors if motor["on"]])
 
     def motor_states(self):
@@ -83,6 +84,7 @@ class Kit:
         self._send_key(_ON[self._held], self._held, "on", True)
 
     def let_go(self):
+        """Switch the motor off that hold_motor() has turned."""
         self._send_key(_OFF[self._held], self._held, "on", False)
 
 

@@ -123,6 +123,7 @@ class Orders:
         return {"t": "answer", "do": name, "error": error}
 
     # --- motion
+    # Each _order_NAME(order) carries out the order NAME, a dict, and returns 0, an error, or a message. Raises Wrong.
 
     def _order_hold(self, order):
         return self.machine.hold()

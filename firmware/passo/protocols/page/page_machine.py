@@ -262,16 +262,20 @@ class PageMachine:
         return self.queue_command(Command(commands.STOP))
 
     def hold(self):
+        """End the jog, and queue a hold. Returns 0 or an error."""
         self.end_jog()
         return self.queue_command(Command(commands.HOLD))
 
     def resume(self):
+        """Queue the command that ends a hold. Returns 0 or an error."""
         return self.queue_command(Command(commands.RESUME))
 
     def home(self):
+        """Queue homing. Returns 0 or an error."""
         return self.queue_command(Command(commands.HOME))
 
     def unlock(self):
+        """Queue the command that ends an alarm. Returns 0 or an error."""
         return self.queue_command(Command(commands.UNLOCK))
 
     def hand_over(self, owner):
@@ -315,6 +319,7 @@ class PageMachine:
         return 0
 
     def _may_jog(self, direction):
+        """True if the position is known and `direction` has a part for each axis."""
         return self.position is not None and len(direction) == len(self.position)
 
     def _start_jog(self, direction, speed):
