@@ -107,7 +107,7 @@ class App:
         shared = {}  # the objects that links of one language share
         most = _SEVERAL if self.interrupt else _ALL
         self._make_links(machine_builder, languages, serials, own, shared, most)
-        self._prepare()  # before the buffers for links of files
+        self._prepare_links()  # before the buffers for links of files
         if self.interrupt:  # a chip has little memory
             machine_builder = own = None
             forget("passo.machine_builder", True)
@@ -116,7 +116,7 @@ class App:
         if self.interrupt:  # their users have them
             board.pop("additions", None)
         self.controller.machine.restarted()
-        self._answer()
+        self._send_events()
 
     def _make_links(self, builder, languages, serials, own, shared, most):
         for number, (config, language, serial) in enumerate(zip(self.board["links"], languages, serials)):
@@ -131,7 +131,7 @@ class App:
         if own:
             own.join(self.links, self.controller)
 
-    def _prepare(self):
+    def _prepare_links(self):
         """Make now what links make when they are used first, as far as memory lasts."""
         for link in self.links:
             link.serial = self.controller.features["links"].join(link)
@@ -146,7 +146,7 @@ class App:
         config = dict(self.board["links"][index], name=self.controller.machine.links[number])
         protocol = languages[index].create(config, number, self.board, self.controller, shared, most)
         self.links.append(Link(number, config, feature.join(number, protocol), protocol, self.controller))
-        self._prepare()
+        self._prepare_links()
 
     def _make_queue(self, builder, settings, streamed):
         """Feeder and queue. `streamed`: as machine_builder.queue() has it."""
@@ -177,29 +177,29 @@ class App:
     def poll(self):
         """Links, then machine, then answers, then words for the player. False if the machine has to wait, because
         more bytes are coming, or will at once: where interrupts play, those are taken first."""
-        heard = self._hear()
-        if self.interrupt and (heard or self._answered_ms >= 0) and self._overtaken(heard):
+        heard = self._read_links()
+        if self.interrupt and (heard or self._answered_ms >= 0) and self._must_read_on(heard):
             return False
         self._answered_ms = -1
         if self.interrupt:
-            self._heed()
+            self._read_early()
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
             self.controller.stopped_by(tripped)
         machine = self.controller.machine
         self.controller.poll()
         if machine.events:
-            self._answer()
+            self._send_events()
         if self.interrupt:
-            self._heed()  # so that `?` waits half as long
+            self._read_early()  # so that `?` waits half as long
         if machine.awake or self.feeder.open:
-            self._feed()
+            self._make_words()
         return True
 
     # In small pieces: a function of more than eleven words of variables and stack takes them off the heap, longer than a call.
 
     @micropython.native
-    def _hear(self):
+    def _read_links(self):
         """Carry out what the links bring. Returns _PART if bytes came, _WHOLE if more than questions did, _LINES if it were lines."""
         self._heard = 0
         self._now_ms = self.port.link_ms()
@@ -210,24 +210,24 @@ class App:
                 self._go_on(link)
             data = link.serial.read()
             if data or not link.keeps or link.protocol.pending():
-                commands = self._receive(link, data)
+                commands = self._commands_in(link, data)
                 if commands:
                     self._carry_out(commands, link)
         self._speaking = None
         return self._heard
 
-    def _heed(self):
+    def _read_early(self):
         """Read the links before the controller's turn, so that `?` does not wait for it. While the machine moves, carry out real-time
         bytes and keep lines. At a stand carry out all, as _hear(), so that a line sets out sooner."""
         for link in self.links:
             if link.buffer_input and link.serial.any():
                 if not self.feeder.open:
-                    self._hear()
+                    self._read_links()
                     break
                 self._overruled = 0
-                self._listen(link)
+                self._take_early(link)
 
-    def _listen(self, link):
+    def _take_early(self, link):
         """Carry out the real-time bytes that `link` has brought, and keep its lines."""
         link.heard = True
         self._heard |= _KEPT
@@ -236,22 +236,22 @@ class App:
         self._carry_out(link.buffer_input(link.serial.read()), link)
         self._speaking = speaking
 
-    def _coming(self):
+    def _has_bytes(self):
         for link in self.links:
             if link.serial.any():
                 return True
         return False
 
-    def _overtaken(self, heard):
+    def _must_read_on(self, heard):
         """True while more bytes are coming, or a PC may be about to send them, and the machine may wait for them. The motion asked for begins at once."""
         now_ms = self.port.machine_ms()
         moves = self.feeder.open
-        coming = heard == _PART or not (heard & _LINES and moves) and self._coming()
+        coming = heard == _PART or not (heard & _LINES and moves) and self._has_bytes()
         if heard & _WHOLE:
             if not coming:
                 self.controller.queue.begin()
             if not moves:
-                self._feed()
+                self._make_words()
             elif heard & _LINES:
                 self._answered_ms = now_ms
         if not coming and (self._answered_ms < 0 or (now_ms - self._answered_ms) & COUNT_MASK >= _REPLY_MS):
@@ -259,7 +259,7 @@ class App:
         return (now_ms - self._looked_ms) & COUNT_MASK < _LOOK_MS
 
     @micropython.native
-    def _feed(self):
+    def _make_words(self):
         """Make words for the player, if there is something to play and the motors are ready."""
         feeder = self.feeder
         indices = self.planner.indices
@@ -294,11 +294,11 @@ class App:
         """Commands that wait come first."""
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
-            self._answer()
+            self._send_events()
             self._heard |= _WHOLE
 
     @micropython.native
-    def _receive(self, link, data):
+    def _commands_in(self, link, data):
         """The commands in what the line brings: each is to be answered before the next is asked for."""
         if data:
             self._heard |= _PART
@@ -308,16 +308,16 @@ class App:
         commands = link.protocol.feed(data, self._now_ms)
         if data or not self.interrupt or not link.buffer_input or isinstance(commands, tuple):
             return commands
-        return self._between(commands, link)  # a chip takes milliseconds to read each line
+        return self._carry_out_between(commands, link)  # a chip takes milliseconds to read each line
 
-    def _between(self, commands, link):
+    def _carry_out_between(self, commands, link):
         """Carry out the real-time bytes of `link` before, between and behind `commands`."""
         if link.serial.any():
-            self._listen(link)
+            self._take_early(link)
         for command in commands:
             yield command
             if link.serial.any():
-                self._listen(link)
+                self._take_early(link)
 
     def _carry_out(self, commands, link):
         for command in commands:
@@ -325,7 +325,7 @@ class App:
             if command.kind == STATUS:
                 self._tell_status(command)
             else:
-                self._begin(command)
+                self._begin_command(command)
 
     def _tell_status(self, command):
         """Answer a question for the status directly: as an event the answer would take three calls more."""
@@ -342,11 +342,11 @@ class App:
         for asked in self.controller.asks:
             asked(link)
 
-    def _begin(self, command):
+    def _begin_command(self, command):
         link = command.link
         if self._overruled and command.kind not in HARMLESS:
             self.controller.refuse(command, self._overruled)
-            self._answer()
+            self._send_events()
             return
         self._heard |= _WHOLE
         if command.kind in IMMEDIATE or not link.waiting:
@@ -356,7 +356,7 @@ class App:
             link.waiting.append(command)
         else:
             self.controller.refuse(command, errors.TOO_MANY_WAITING)
-        self._answer()
+        self._send_events()
 
     @micropython.native
     def _in_batches(self, link, data):
@@ -375,7 +375,7 @@ class App:
                 serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     if self.interrupt and link.buffer_input and serial.any():  # `?` would wait for the batch's end and the other links
-                        self._listen(link)
+                        self._take_early(link)
                     break
             elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or link.buffer_input and self.interrupt and serial.any())):
                 more -= 1  # see Grbl.take_batch(); this many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
@@ -396,15 +396,15 @@ class App:
         """The machine stands, and no more lines are coming: move first, answer then."""
         link.batch.close(link.batch)
         self.controller.queue.begin()
-        self._feed()
+        self._make_words()
 
-    def _answer(self):
+    def _send_events(self):
         """Tell the links all events. An answer may add further events."""
         events = self.controller.machine.events
         while events:
             event = events.pop(0)
             if event.command is None:
-                self._push(event)
+                self._send_to_all(event)
                 continue
             link = event.command.link
             if link:
@@ -412,10 +412,10 @@ class App:
                 if said:
                     link.serial.write(said)
 
-    def _push(self, event):
+    def _send_to_all(self, event):
         """Send an event to every link."""
         if event.kind in (ALARM, DROPPED, RESTARTED):
-            self._drop(event)
+            self._refuse_waiting(event)
         for link in self.links:
             said = link.protocol.push_bytes(event)
             if said:
@@ -423,7 +423,7 @@ class App:
 
     # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
 
-    def _drop(self, event):
+    def _refuse_waiting(self, event):
         """Refuse the commands that wait, the bytes that have come and were not read, unless they are harmless, and those that the languages
         hold back. Only of the link that brought this about, what stands behind its word for it was sent after it, and counts."""
         alarm = event.kind == ALARM

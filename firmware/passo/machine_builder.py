@@ -11,13 +11,13 @@ from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 
-def _input(board, feature):
+def _inputs_for(board, feature):
     """True if there is an input that wants this feature."""
     names = [item["name"] for item in board["inputs"]]
     return [name for name, _, _, wanted in inputs_of(board) if wanted == feature and name in names]
 
 
-def _lost(board, *ways):
+def _links_that(board, *ways):
     """True if a link asks for one of these when its host is lost."""
     return [link for link in board["links"] if link["lost"] in ways]
 
@@ -36,11 +36,11 @@ FEATURES = (
     ("drawing", "Drawing", None),
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
     ("program", "Program", None),
-    ("pauses", "Pauses", lambda board: _input(board, "pauses") or _lost(board, "pause")),
+    ("pauses", "Pauses", lambda board: _inputs_for(board, "pauses") or _links_that(board, "pause")),
     ("tools", "Tools", None),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
-    ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
+    ("host_watch", "HostWatch", lambda board: _links_that(board, "pause", "stop", "retract")),
     ("resets", "Resets", lambda board: True),
 )
 
@@ -77,10 +77,10 @@ def languages(board):
     for link in board["links"]:
         name = link["protocol"]
         try:
-            language = _package(name)
+            language = _load_package(name)
             language.NEEDS  # which what languages share has not
         except (AttributeError, ImportError) as missing:
-            known = ", ".join([each for each in sorted(folders("passo.protocols")) if hasattr(_package(each), "NEEDS")])
+            known = ", ".join([each for each in sorted(folders("passo.protocols")) if hasattr(_load_package(each), "NEEDS")])
             raise BoardError("link %s: unknown protocol %r (%s); known are %s: for another one flash the board anew" % (link["name"], name, missing, known))
         check = getattr(language, "check", None)
         why = check(board) if check else None
@@ -93,7 +93,7 @@ def languages(board):
     return modules
 
 
-def _package(name):
+def _load_package(name):
     return __import__("passo.protocols." + name, None, None, ("create",))
 
 

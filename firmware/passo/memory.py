@@ -31,7 +31,7 @@ def keep(kept):
 
 def zeros(count):
     """An array('i') of `count` zeros."""
-    made = _kept_piece("i", count)
+    made = _take_piece("i", count)
     if not made:
         made = array("i", range(count))  # in one piece of memory, as below: from a list or bytes an array would take two
         part = array("i", bytearray(4 * _PART))
@@ -42,18 +42,18 @@ def zeros(count):
 
 def numbers(count):
     """An array('I') of `count` numbers."""
-    return _kept_piece("I", count) or array("I", range(count))
+    return _take_piece("I", count) or array("I", range(count))
 
 
 def buffer(count):
     """A bytearray."""
-    return _kept_piece("b", count) or bytearray(count)
+    return _take_piece("b", count) or bytearray(count)
 
 
 def stream():
     """A DeflateIO that has been read to its end: it keeps the two pieces that another one will take. None: there are none."""
     try:
-        return _kept_piece("d", 0) or spent(0)
+        return _take_piece("d", 0) or spent(0)
     except MemoryError:
         return None
 
@@ -104,7 +104,7 @@ class FileRoom:
             pass  # the next file may find some
 
 
-def _kept_piece(kind, count):
+def _take_piece(kind, count):
     """A piece of keep(), which is taken; `count` 0: of any length. None: there is none."""
     kept = _kept[0] if _kept else ()
     for index in range(len(kept)):

@@ -310,7 +310,7 @@ class Runner:
         ticks = COARSE_TICKS
         queued = self._count_queued()
         while queued > _FULL and app.feeder.open:
-            app._feed()
+            app._make_words()
             port.advance(ticks)
             before, queued = queued, self._count_queued()
             ticks = _LONG_TICKS if before - queued <= _FEW else COARSE_TICKS

@@ -140,7 +140,7 @@ class Two:
 def fail(machine, number):
     """An alarm, as one turn of the main loop raises and tells it."""
     machine.app.controller.machine.raise_alarm(number, "test")
-    machine.app._answer()
+    machine.app._send_events()
 
 
 def check_nothing_moves_after_a_stop(first, second, commander, events, late, how, cut):
@@ -160,7 +160,7 @@ def check_nothing_moves_after_a_stop(first, second, commander, events, late, how
         fail(two.machine, errors.ALARM_HARD_LIMIT)
     elif how == 4:
         two.controller.machine.carry_out(commands.RESET)
-        two.machine.app._answer()
+        two.machine.app._send_events()
     else:
         two.world.switches["stop"] = 1
     turns = 200

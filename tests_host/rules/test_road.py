@@ -15,17 +15,17 @@ pytestmark = pytest.mark.quick
 
 MOST = 11
 
-# In the order in which they are first called. On a board ChipPort._feed, a timer interrupt, stands in the place of App._feed,
+# In the order in which they are first called. On a board ChipPort._feed, a timer interrupt, stands in the place of App._make_words,
 # and a serial line's read() and write() in that of MemoryLine's.
 ROAD = (
     "app.py App.poll",
-    "app.py App._hear",
+    "app.py App._read_links",
     "ports/virtual.py MemoryLine.read",
-    "app.py App._receive",
+    "app.py App._commands_in",
     "app.py App._in_batches",
     "protocols/grbl/protocol.py Grbl.take_batch",
     "protocols/grbl/take_viper.py take_lines",
-    "app.py App._feed",
+    "app.py App._make_words",
     "steps/feeder.py Feeder.fill",
     "steps/segments_viper.py make",
     "ports/virtual_player.py Player.start",

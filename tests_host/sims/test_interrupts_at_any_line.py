@@ -23,8 +23,8 @@ class Interrupts:
         self._every = every
         self._left = 1
         self._apart = False  # as after put_off()
-        self._feed = machine.app._feed
-        machine.app._feed = lambda: self._alone(self._feed)
+        self._feed = machine.app._make_words
+        machine.app._make_words = lambda: self._alone(self._feed)
         machine.port.put_off = lambda: self._set_apart(True)
         machine.port.catch_up = lambda: self._set_apart(False)
         self.count = 0

@@ -90,17 +90,17 @@ def folders(package):
 
 def nearest(key, known):
     """Return ", nearest is 'axes'" if the key is written much like one of the known ones, else ""."""
-    wanted = _pairs(key)
+    wanted = _letter_pairs(key)
     best, name = 0, ""
     for each in known:
-        pairs = _pairs(each)
+        pairs = _letter_pairs(each)
         like = 200 * len([pair for pair in pairs if pair in wanted]) // (len(pairs) + len(wanted))
         if like > best:
             best, name = like, each
     return ", nearest is %r" % name if best >= _LIKE else ""
 
 
-def _pairs(key):
+def _letter_pairs(key):
     """A key's letters, each with the one before it."""
     key = " " + str(key) + " "
     return [key[at : at + 2] for at in range(len(key) - 1)]

@@ -141,19 +141,19 @@ def check(board):
     rules = dict(_BOARD)
     own = own_rules(board, rules)
     board, levels = rewritten(board, own)
-    _call(own, "extend", rules)
-    board = _section(_WHOLE, board, rules)
+    _call_each(own, "extend", rules)
+    board = _check_section(_WHOLE, board, rules)
     if own:
         board["additions"] = Additions(before)
     if levels:
         board["additions"].levels = levels
     _check_clock(board)
-    _call(own, "prepare", board)
+    _call_each(own, "prepare", board)
     _check_pins(board, own)
     _check_order(board)
     _check_homing(board)
     _check_links(board)
-    _call(own, "check", board)
+    _call_each(own, "check", board)
     _check_bits(board)
     _check_filters(board)
     speed = board["speed"]
@@ -162,7 +162,7 @@ def check(board):
     return board
 
 
-def _call(manifests, name, what):
+def _call_each(manifests, name, what):
     """Call this function of each manifest that has it. `what`: the board, or the rules."""
     for module in manifests:
         if hasattr(module, name):
@@ -174,26 +174,26 @@ def _want_dict(where, data):
         raise BoardError("%s: a dict is wanted, not %r" % (where, data))
 
 
-def _section(where, data, rules):
+def _check_section(where, data, rules):
     _want_dict(where, data)
     for key in data:
         if key not in rules:
             known = sorted(set(rules) | set(folders("passo.options") if where is _WHOLE else ()))
             raise BoardError("%s: unknown key %r%s; known are %s" % (where, key, nearest(key, known), ", ".join(known)))
     prefix = "" if where is _WHOLE else where + "."
-    return {key: _value(prefix + key, data, key, rule) for key, rule in rules.items()}
+    return {key: _check_value(prefix + key, data, key, rule) for key, rule in rules.items()}
 
 
-def _value(where, data, key, rule):
+def _check_value(where, data, key, rule):
     if isinstance(rule, dict):
         part = data.get(key)
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
         if part is None and key in _ABSENT:
             return None
-        return _section(where, part or {}, rule)
+        return _check_section(where, part or {}, rule)
     if isinstance(rule, list):
-        return _list(where, data, key, rule)
+        return _check_list(where, data, key, rule)
     if isinstance(rule[0], str):
         value = data.get(key, rule[0])
         if value not in rule:
@@ -214,12 +214,12 @@ def _value(where, data, key, rule):
     return dict(value) if kind is dict else value  # a copy: check() may add to it
 
 
-def _list(where, data, key, rule):
+def _check_list(where, data, key, rule):
     section, least, most = rule
     items = data.get(key, [])
     if not isinstance(items, (list, tuple)) or not least <= len(items) <= most:
         raise BoardError("%s: a list of %d … %d is wanted" % (where, least, most))
-    return [_section("%s[%d]" % (where, i), items[i], section) for i in range(len(items))]
+    return [_check_section("%s[%d]" % (where, i), items[i], section) for i in range(len(items))]
 
 
 def _check_clock(board):

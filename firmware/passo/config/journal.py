@@ -35,7 +35,7 @@ class Journal:
         for slot in range(SLOTS):
             data = self._slots.read(slot)
             used = used or len(data) > 0
-            sequence, text = _parse(data)
+            sequence, text = _parse_slot(data)
             if text is not None and sequence > self._sequence:
                 self._slot, self._sequence, newest = slot, sequence, text
         self.damaged = used and newest is None
@@ -47,7 +47,7 @@ class Journal:
             self.read()
         slot, sequence = (self._slot + 1) % SLOTS, self._sequence + 1
         body = text.encode()
-        self._slots.write(slot, _front(sequence, body) + body)
+        self._slots.write(slot, _front_line(sequence, body) + body)
         self._slot, self._sequence = slot, sequence
 
 
@@ -56,11 +56,11 @@ def sealed(front, body=b""):
     return front + b" %08x\n" % (crc32(body, crc32(front)) & 0xFFFFFFFF)
 
 
-def _front(sequence, body):
+def _front_line(sequence, body):
     return sealed(b"passo %d %d" % (sequence, len(body)), body)
 
 
-def _parse(data):
+def _parse_slot(data):
     """(sequence, text) of a slot; (0, None) where it is not whole."""
     end = data.find(b"\n")
     fields = data[: max(end, 0)].split(b" ")
@@ -69,7 +69,7 @@ def _parse(data):
     try:
         sequence, length = int(fields[1]), int(fields[2])
         body = data[end + 1 : end + 1 + length]
-        if len(body) != length or data[: end + 1] != _front(sequence, body):
+        if len(body) != length or data[: end + 1] != _front_line(sequence, body):
             return 0, None
         return sequence, body.decode()
     except ValueError:
@@ -85,18 +85,18 @@ class FileSlots:
         self._room = FileRoom()
         self._room.keep()
 
-    def _name(self, slot):
+    def _slot_path(self, slot):
         return "%s.%d" % (self._path, slot)
 
     def read(self, slot):
         try:
-            with open(self._name(slot), "rb") as file:
+            with open(self._slot_path(slot), "rb") as file:
                 return file.read()
         except OSError:
             return b""
 
     def write(self, slot, data):
-        name = self._name(slot)
+        name = self._slot_path(slot)
         try:
             with self._room.open(name, "wb") as file:
                 file.write(data)

@@ -43,7 +43,7 @@ INTERVAL = const(181)
 PROGRAM_SPEED = const(182)
 
 
-def _active(items, names):
+def _active_level(items, names):
     """The active level of the first of `items` that has one of these names; 0 if there is none."""
     for item in items:
         if item["name"] in names:
@@ -95,9 +95,9 @@ def make(board):
         IDLE_DELAY: ("idle_delay_ms", 0, min(release_ms, 254) if release_ms else 255, 0, 255),
         STEP_INVERT: ("step_invert", 0, 0 if board["drive"]["step_active"] else mask, 0, mask),
         DIRECTION_INVERT: ("direction_invert", 0, directions, 0, mask),
-        ENABLE_INVERT: ("enable_invert", 0, _active(board["outputs"], ("enable",)), 0, 1),
-        LIMIT_INVERT: ("limit_invert", 0, _active(board["inputs"], limits), 0, 1),
-        PROBE_INVERT: ("probe_invert", 0, _active(board["inputs"], ("probe",)), 0, 1),
+        ENABLE_INVERT: ("enable_invert", 0, _active_level(board["outputs"], ("enable",)), 0, 1),
+        LIMIT_INVERT: ("limit_invert", 0, _active_level(board["inputs"], limits), 0, 1),
+        PROBE_INVERT: ("probe_invert", 0, _active_level(board["inputs"], ("probe",)), 0, 1),
         REPORT: ("report_mask", 0, 3, 0, 255),
         JUNCTION: ("junction_deviation", 3, board["planning"]["junction_um"], 0, 10_000),
         ARC: ("arc_tolerance", 3, board["planning"]["arc_um"], 0, 10_000),

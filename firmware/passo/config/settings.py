@@ -64,9 +64,9 @@ class Settings:
         self.failed = False  # it could not be saved, and nothing has changed since
         self.version = 0  # goes up with each change of a number
         self.steps_per_m = [0] * len(board["axes"])  # of each axis: one list
-        self._load(journal.read() or "")
+        self._load_lines(journal.read() or "")
         self.damaged = journal.damaged
-        self._apply()
+        self._apply_to_board()
 
     def limit_steps(self, steps_s):
         """Limit all speeds to `steps_s` steps a second: the most of the player, whose ring these settings decide."""
@@ -98,18 +98,18 @@ class Settings:
 
     def reset(self, number):
         """As the board file has it, whatever the bounds. 0, or why not: there is none, or it does not go with another value."""
-        error = self._refusal(number, self._table[number][2]) if number in self._table else errors.STATEMENT
+        error = self._check_value(number, self._table[number][2]) if number in self._table else errors.STATEMENT
         if error in (errors.STATEMENT, errors.STEP_RATE, errors.LIMITS_NEED_HOMING):
             return error
         self._changed.pop(number, None)
         if number - STEPS in (0, 1) and self._one_belt:
             self._changed.pop(STEPS + 1 - (number - STEPS), None)
-        self._touch()
+        self._mark_changed()
         return 0
 
     def change(self, number, value):
         """0, or why not. The change is not saved yet."""
-        error = self._refusal(number, value)
+        error = self._check_value(number, value)
         if error:
             return error
         self._changed[number] = value
@@ -117,10 +117,10 @@ class Settings:
             self._changed[STEPS] = self._changed[STEPS + 1] = value
         if number == HOMING and not value:
             self._changed[SOFT_LIMITS] = 0
-        self._touch()
+        self._mark_changed()
         return 0
 
-    def _refusal(self, number, value):
+    def _check_value(self, number, value):
         if number not in self._table:
             return errors.STATEMENT
         _, _, _, least, most = self._table[number]
@@ -158,11 +158,11 @@ class Settings:
         """How many STEP pulses of `pulse_us` a drive can make in a second: each wants as long again for the low level. Coils have none: 1 000 000."""
         return TICKS_PER_S // (2 * us_to_ticks(pulse_us)) if self._board["drive"]["kind"] == "step_dir" else 1_000_000
 
-    def _touch(self):
+    def _mark_changed(self):
         self.dirty = True
         self.failed = False
         self.version += 1
-        self._apply()
+        self._apply_to_board()
 
     # --- texts
 
@@ -192,7 +192,7 @@ class Settings:
         for key in list(self._texts):
             if texts == 2 or texts and key[0] == "G":
                 del self._texts[key]
-        self._touch()
+        self._mark_changed()
 
     def snapshot(self):
         """All that counts now, for save()."""
@@ -203,7 +203,7 @@ class Settings:
         `before`, if there is one."""
         if self.dirty:
             try:
-                text = self._dump()
+                text = self._dump_lines()
                 try:
                     if self._writing:
                         self._writing(True)
@@ -214,21 +214,21 @@ class Settings:
             except (OSError, MemoryError):
                 if before is not None:
                     self._changed, self._texts, dirty = before
-                    self._touch()
+                    self._mark_changed()
                     self.dirty = dirty
                 self.failed = True
                 return errors.MEMORY
             self.dirty = self.damaged = False
         return 0
 
-    def _dump(self):
+    def _dump_lines(self):
         lines = []
         for number in sorted(self._changed):
             lines.append("%s%d=%d" % (_VERSION if number in MASKS else "", number, self._changed[number]))
         lines += ["%s=%s" % (key, self._texts[key]) for key in sorted(self._texts)]
         return "\n".join(lines)
 
-    def _load(self, text):
+    def _load_lines(self, text):
         old = []  # masks of the first firmware
         for line in text.split("\n"):
             key, _, value = line.partition("=")
@@ -252,7 +252,7 @@ class Settings:
             self._changed[number] = amount ^ self._table[number][2]
             self.dirty = True
 
-    def _apply(self):
+    def _apply_to_board(self):
         """Hand the values that the board file also has to the board dict."""
         for number, axis in enumerate(self._board["axes"]):
             axis["steps_per_m"] = self.steps_per_m[number] = self.value(STEPS + number)
