@@ -150,6 +150,8 @@ def _read_line(line, state):
             state.relative = code == 910
         elif code in (930, 940):
             state.inverse = code == 930
+    if values.get(b"F", 0.0) < 0 or values.get(b"P", 0.0) < 0:
+        return 0.0, None  # a machine refuses the line
     if b"F" in values and not state.inverse:
         state.feed = values[b"F"] * state.scale
     if 40 in codes:

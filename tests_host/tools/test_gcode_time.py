@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from host_tools import boards
@@ -102,6 +102,8 @@ def test_no_motion_counts_lines():
 
 
 @given(st.text(alphabet="GXYZIJRPFMNS0123456789.-+ ", max_size=40))
+@example("F-1X0")
+@example("G4P-1")
 def test_any_line_is_read(text):
     assert all(taken >= 0 and math.isfinite(taken) for taken in estimate_seconds(numbered("F600\nG1X1\n" + text), ROUTER))
 
