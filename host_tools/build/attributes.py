@@ -1,4 +1,5 @@
-"""Renames what is private for a board: `self._something` becomes `self._3`, and a module's `_something` `_19`.
+"""Renames what is private for a board: `self._something` becomes `self._3`, and a module's `_something` `_19`; and so do public functions and classes
+of a module that others use under the imported name only.
 
     texts = shorten_attributes({"passo/a.py": "class A:\n    def __init__(self):\n        self._much = 1\n"})
     texts["passo/a.py"]          # "class A:\n    def __init__(self):\n        self._0 = 1\n"
@@ -6,13 +7,17 @@
 A board keeps the text of every name for ever, and its table of names doubles when it is full: one name too many costs
 thousands of bytes. All modules use the same short names. Those of attributes and methods are distinct in each module and those that its
 classes derive from, those of a module's functions, classes and variables in each module. A traceback still shows
-file and line. These names stay: those in strings, attributes of other objects than `self`, names that another module imports, variables of a class,
-and ASKED_FOR, which tests and benches read on the board.
+file and line. These names stay: those in strings, attributes of other objects than `self`, private names that another module imports, variables of
+a class, and ASKED_FOR, which tests and benches read on the board.
 """
 
 import ast
+import re
+from functools import cache
 
-ASKED_FOR = {"_bytes", "_lines", "_redirect", "_timer", "_trip"}
+from host_tools.resources import MAIN
+
+ASKED_FOR = {"_bytes", "_lines", "_redirect", "_timer", "_trip", "UsbLine", "counted_khz", "load_all", "port_byte", "spent"}
 _FIRST_OF_MODULE = 16  # short names of a module's own; arguments.py gives those before to a function's
 
 
@@ -32,7 +37,9 @@ def shorten_attributes(texts):
     modules = {path: _Module(text) for path, text in texts.items()}
     taken = ASKED_FOR.union(*(_names_that_stay(module) for module in modules.values()))
     short = _short_names(modules, {path: _of_self(module) - taken for path, module in modules.items()})
-    return {path: _rename_private(module, short[path], _short_globals(module, taken)) for path, module in modules.items()}
+    own = {path: _short_globals(module, taken) for path, module in modules.items()}
+    _add_imported_names(modules, own)
+    return {path: _rename_private(module, short[path], own[path]) for path, module in modules.items()}
 
 
 def _short_names(modules, names):
@@ -106,6 +113,62 @@ def _short_globals(module, taken):
     return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
 
 
+def _add_imported_names(modules, short):
+    """Add to `short`, {path: {name: short name}}, public functions and classes of a module that it and its importers use by their bare name only. A
+    name gets one short name in all of them."""
+    paths = {path.removesuffix(".py").removesuffix("/__init__").replace("/", "."): path for path in modules}
+    seen_in = {(path, name): [path] for path, module in modules.items() for name in _public_names(module)}
+    for path, module in modules.items():
+        for node in module.nodes:
+            for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+                users = seen_in.get((paths.get(node.module), alias.name))
+                if users is not None and not alias.asname and path not in users:
+                    users.append(path)
+    homes = [name for _, name in seen_in]
+    staying = ASKED_FOR.union(_names_of_main(), *(_names_used_otherwise(module) for module in modules.values()))
+    staying |= {name for name in homes if homes.count(name) > 1}
+    for (_, name), users in seen_in.items():
+        if name not in staying:
+            used = {each for path in users for each in short[path].values()}
+            number = next(number for number in range(_FIRST_OF_MODULE, _FIRST_OF_MODULE + len(used) + 1) if f"_{number}" not in used)
+            for path in users:
+                short[path][name] = f"_{number}"
+
+
+@cache
+def _names_of_main():
+    """Return the names in main.py, which a board gets as it is."""
+    return set(re.findall(r"\w+", MAIN.read_text(encoding="utf-8")))
+
+
+def _public_names(module):
+    """Return the names of a module's public functions and classes that are plain Python: kernels have theirs in machine code, too."""
+    return [node.name for node in module.tree.body if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.decorator_list and not node.name.startswith("_")]
+
+
+def _names_used_otherwise(module):
+    """Return the names that a module uses in another way than as its own or an imported function or class."""
+    found = set()
+    for node in module.nodes:
+        if isinstance(node, ast.Attribute):
+            found.add(node.attr)
+        elif isinstance(node, (ast.arg, ast.keyword)):
+            found.add(node.arg)
+        elif isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            found.add(node.id)
+        elif isinstance(node, ast.alias) and node.asname:
+            found |= {node.name, node.asname}
+        elif isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node not in module.tree.body:
+            found.add(node.name)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found |= set(re.findall(r"\w+", node.value))
+        elif isinstance(node, (ast.Global, ast.Nonlocal)):
+            found |= set(node.names)
+        if isinstance(node, ast.ClassDef):
+            found |= {each.id for part in _class_scope(node) for each in ast.walk(part) if isinstance(each, ast.Name)}
+    return found
+
+
 def _modules_that_share_objects(modules):
     """Return {path: modules, itself included, whose classes may be those of one object, through inheritance}."""
     paths = {path.removesuffix(".py").replace("/", "."): path for path in modules}
@@ -139,8 +202,9 @@ def _rename_private(module, attributes, own):
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             begin = node.col_offset + len("def " if isinstance(node, ast.FunctionDef) else "class ")
             indices.append((node.lineno, begin, node.name, (attributes if node in module.methods else own).get(node.name)))
-        elif isinstance(node, ast.alias) and node.asname:
-            indices.append((node.end_lineno, node.end_col_offset - len(node.asname), node.asname, own.get(node.asname)))
+        elif isinstance(node, ast.alias):
+            name = node.asname or node.name
+            indices.append((node.end_lineno, node.end_col_offset - len(name), name, own.get(name)))
         elif isinstance(node, ast.Global):
             line, at = lines[node.lineno - 1], node.col_offset
             for name in node.names:
