@@ -23,7 +23,7 @@ def stamp_of(path):
 # Functions of their own import what only the start needs.
 
 
-def made_safe():
+def load_safe_board():
     """The raw board file, whose outputs are inactive from here on; None if it cannot be read."""
     from passo.ports.safe import outputs, safe
 
@@ -43,7 +43,7 @@ else:
     WHOLE = STAMP == stamp_of("stamp.txt")
 
 if WHOLE:
-    BOARD = made_safe()  # first: the rest takes seconds
+    BOARD = load_safe_board()  # first: the rest takes seconds
     if sys.platform == "esp32":
         from passo.ports.esp32.start import Start
     else:
@@ -59,7 +59,7 @@ if WHOLE:
     image = None
 
 
-def checked(board):
+def check_board(board):
     from passo.config.boardfile import check
 
     return check(board)
@@ -96,7 +96,7 @@ def main():
     app = port = error = None
     start.loading()
     try:
-        board = checked(BOARD)
+        board = check_board(BOARD)
         BOARD = None
         manifests = [name for name in sys.modules if name[:14] == "passo.options." and ".manifest" in name]
         for name in ["board", "passo.config.boardfile", "passo.config.chip_pins"] + manifests:

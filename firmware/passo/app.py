@@ -83,7 +83,7 @@ class App:
         self.port = port
         self.layout, self._drive, off_levels = machine_builder.make_drive(board)
         languages = machine_builder.languages(board)
-        names = machine_builder.wanted(board, languages)
+        names = machine_builder.feature_names(board, languages)
         self.planner = machine_builder.planner(board, self.layout.axes)  # first: it takes the largest pieces of memory
         if "program" in names:
             self.planner.load()
@@ -91,11 +91,11 @@ class App:
         forget("passo.config.setting_numbers")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
-        inverted = bool(settings.turned(ENABLE_INVERT)) and getattr(port, "veto", None) is None  # which knows the board file's only
+        inverted = bool(settings.mask_change(ENABLE_INVERT)) and getattr(port, "veto", None) is None  # which knows the board file's only
         self._motors = Motors(port, self.player, self.layout, None if self.layout.kind == "step_dir" else self._drive, off_levels, board, inverted)
         own, queue = machine_builder.lines_of(board), self._make_queue(machine_builder, settings, "program" in names)
         serials = machine_builder.serials(own, board, port)
-        guarded = machine_builder.guarded(board, languages, settings)
+        guarded = machine_builder.guard_mask(board, languages, settings)
         self._make_controller(settings, queue, guarded, machine_builder.load(names, board, languages))
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES, _KEPT
@@ -115,7 +115,7 @@ class App:
             self._add_link(self.controller.features[name], languages, language, shared, most)
         if self.interrupt:  # their users have them
             board.pop("additions", None)
-        self.controller.machine.restarted()
+        self.controller.machine.announce_restart()
         self._send_events()
 
     def _make_links(self, builder, languages, serials, own, shared, most):
@@ -124,7 +124,7 @@ class App:
             made = Link(number, config, serial, protocol, self.controller)
             if config["frames"]:
                 baud = 1_000_000 if config["port"] == "usb" else config["baud"]  # at least
-                made.serial = builder.framed_line()(made, serial, baud, self.port.link_ms, made.note)
+                made.serial = builder.frame_line_class()(made, serial, baud, self.port.link_ms, made.note)
             if config["lost"] != "go_on":
                 self.controller.features["host_watch"].watch(number, made.serial if config["frames"] else made)
             self.links.append(made)
@@ -185,7 +185,7 @@ class App:
             self._read_early()
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
-            self.controller.stopped_by(tripped)
+            self.controller.handle_stop(tripped)
         machine = self.controller.machine
         self.controller.poll()
         if machine.events:
@@ -332,7 +332,7 @@ class App:
         link = command.link
         if self.interrupt:
             self.port.put_off()
-        answer = command.accepted or Event(ACCEPTED, command)
+        answer = command.reply or Event(ACCEPTED, command)
         answer.value = self.controller.machine.report(True)
         answer = link.protocol.reply(answer)
         if answer:

@@ -149,7 +149,7 @@ DROPPED = const(6)  # pushed to every link, `command` None: the commands it sent
 
 
 class Command:
-    accepted = None  # the Event that says so, of one that is used again and again
+    reply = None  # the Event ACCEPTED, of a Command that is sent again and again
     ends = False  # COOLANT: of a program's end
     unpowered = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
 

@@ -51,7 +51,7 @@ def load_all(board):
     if drive:
         __import__(drive)
     spoken = languages(board)
-    names = wanted(board, spoken)
+    names = feature_names(board, spoken)
     homing = board["homing"]
     for asked, modules in (
         (True, _OF_ALL),
@@ -64,7 +64,7 @@ def load_all(board):
     make_drive(board)
     load(names, board, spoken)
     if [link for link in board["links"] if link["frames"]]:
-        framed_line()
+        frame_line_class()
     own = lines_of(board)
     if own:
         own.load(board)
@@ -97,7 +97,7 @@ def _load_package(name):
     return __import__("passo.protocols." + name, None, None, ("create",))
 
 
-def framed_line():
+def frame_line_class():
     """The class of lines that speak frames; only boards that have such a link load it. Raises BoardError."""
     try:
         return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
@@ -121,7 +121,7 @@ def serials(own, board, port):
     return own.make_serials(board, port) if own else [port.serial(link) for link in board["links"]]
 
 
-def wanted(board, languages):
+def feature_names(board, languages):
     """Names of the features that the board file or one of the languages (modules) asks for, in order."""
     needed = []
     for language in languages:
@@ -181,7 +181,7 @@ def more_settings(languages):
     return [language.settings for language in languages if hasattr(language, "settings")]
 
 
-def guarded(board, languages, settings):
+def guard_mask(board, languages, settings):
     """Mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
     a language that is GUARDED."""
     guards = range(len(languages)) if settings.value(HOMING) else ()

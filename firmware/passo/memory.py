@@ -53,7 +53,7 @@ def buffer(count):
 def stream():
     """A DeflateIO that has been read to its end: it keeps the two pieces that another one will take. None: there are none."""
     try:
-        return _take_piece("d", 0) or spent(0)
+        return _take_piece("d", 0) or empty_stream(0)
     except MemoryError:
         return None
 
@@ -115,7 +115,7 @@ def _take_piece(kind, count):
     return None
 
 
-def spent(_):
+def empty_stream(_):
     from io import BytesIO
 
     import deflate

@@ -6,8 +6,8 @@
 from host_tools.build.reference import load_manifests
 from host_tools.failure import Failure
 from host_tools.language import _
-from passo.config.board_error import asked_by_value
-from passo.config.boardfile import claimed_pins
+from passo.config.board_error import options_by_value
+from passo.config.boardfile import pin_claims
 from passo.steps.ring import power_room
 
 PICO_PINS = (*range(23), 26, 27, 28)  # that a Pico brings out
@@ -38,7 +38,7 @@ BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 def budget_rows(board):
     """Return [(name, text)] of a checked board."""
-    claimed = sorted({pin for pin, _ in claimed_pins(board)})
+    claimed = sorted({pin for pin, _ in pin_claims(board)})
     rows = [(_("pins"), _pins_text(board, claimed))]
     if board["chip"] in RP2_BLOCKS:
         rows.append(("PIO", _pio_text(board)))
@@ -70,7 +70,7 @@ def heap_kb(board):
     """Return the heap in kB that a checked board takes of a Pico with stock MicroPython: its largest language, and each key and link."""
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
-    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in load_manifests().items() if board.get(key) or key in asked_by_value(board))
+    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in load_manifests().items() if board.get(key) or key in options_by_value(board))
     taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board.get("network") or {}).get("broker"))
@@ -103,7 +103,7 @@ def check_module(board, name):
             )  # fmt: skip
         return
     (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), esp32_needs(board)
-    taken = sorted({pin for pin, who in claimed_pins(board)} & set(PSRAM_PINS.get(board["chip"], ()))) if board["psram"] else ()
+    taken = sorted({pin for pin, who in pin_claims(board)} & set(PSRAM_PINS.get(board["chip"], ()))) if board["psram"] else ()
     if taken:
         raise Failure("{}: pin {} of a module with PSRAM is the PSRAM's", name, taken[0])
     if there and found and found[0] > there and not board["psram"]:

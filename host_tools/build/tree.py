@@ -23,7 +23,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from passo import machine_builder
-from passo.config.board_error import OF_INPUT, OF_OUTPUT, asked_by_value
+from passo.config.board_error import OF_INPUT, OF_OUTPUT, options_by_value
 from passo.config.boardfile import check
 
 from host_tools import boards
@@ -141,14 +141,14 @@ def options_of(board, firmware=FIRMWARE):
     """Return the options that a board file, or a language of its links, asks for; the options whose files these share; and None, which stands for the
     modules of no option. Raises Failure if a language asks for an option that is not there."""
     found = {None}
-    asked = [key for key in [*board, *asked_by_value(board)] if (firmware / OPTIONS / key / MANIFEST).is_file()]
+    asked = [key for key in [*board, *options_by_value(board)] if (firmware / OPTIONS / key / MANIFEST).is_file()]
     for language in {link["protocol"] for link in board.get("links", [])}:
         path = firmware / "passo" / "protocols" / language / "__init__.py"
         for option in options_asked(path.read_text(encoding="utf-8")) if path.is_file() else ():
             if not (firmware / OPTIONS / option / MANIFEST).is_file():
                 raise Failure("the language {} asks for the option {}, which is not here", language, option)
             asked.append(option)
-    for name in asked_by_value(board):
+    for name in options_by_value(board):
         if name not in asked and not name.startswith((OF_OUTPUT, OF_INPUT)):  # these may be some that no option sees to
             raise Failure("the board file asks for the option {}, which is not here", name)
     while asked:

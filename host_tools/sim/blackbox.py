@@ -134,7 +134,7 @@ class Replay(Machine):
             for axis, taken in enumerate(self._taken):
                 self._feeder.planner._taken[axis] = taken
         for axis, there in enumerate(snapshot.position):
-            queue._origin[axis] += queue.found()[axis] - there
+            queue._origin[axis] += queue.shared_position()[axis] - there
         queue.lead(snapshot.position)
         record.guarded = 0
         record.homed = bool(snapshot.flags & HOMED)
@@ -202,10 +202,10 @@ class Replay(Machine):
         if not self.stops:
             return False
         row = self.stops[0]
-        if list(self._queue.found()) != row.position:
+        if list(self._queue.shared_position()) != row.position:
             return False
         self._feeder.retire(self._player.played())
-        return self._queue.retired() >= row.value - self._count_offset()
+        return self._queue.blocks_played() >= row.value - self._count_offset()
 
     def _count_offset(self):
         """Return how many blocks the board had counted before those that are played here."""
@@ -221,7 +221,7 @@ class Replay(Machine):
             if kind != STOOD:
                 self._same_count = False
             if row.kind == kind:
-                here = list(self._queue.found())
+                here = list(self._queue.shared_position())
                 if here != row.position:
                     self._add_fault(_("stopped at {}, the board at {}", mm_text(self.box.board, here), mm_text(self.box.board, row.position)))
                 break
@@ -259,7 +259,7 @@ class Replay(Machine):
             if not ended and self._asks and self.now_ms() >= self._asked_ms + _ASK_MS:
                 self._asked_ms = self.now_ms()
                 self.lines[self._name].incoming += b"?"
-            before = self._record.log.added
+            before = self._record.log.count
             state = self._record.state
             self.cycle()
             self._note_events(state, before)
@@ -377,7 +377,7 @@ class Replay(Machine):
         record = self._record
         if record.state != state:
             self.events.append((self._board_ms(), record.state))
-        if record.log.added != logged:
+        if record.log.count != logged:
             self.events.append((self._board_ms(), str(record.log.newest()[1])))
 
     @property

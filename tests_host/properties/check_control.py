@@ -416,7 +416,7 @@ def check_store(capacity, points):
 
 
 def check_log_keeps_the_last():
-    log = Log(lambda: 100 + log.added)
+    log = Log(lambda: 100 + log.count)
     for number in range(40):
         log.add(number, str(number))
     assert len(log.entries) == 32 and log.entries[-1] == (139, 39, "39") and log.last == 39

@@ -29,7 +29,7 @@ def check_each_is_handed_over_once(count, other):
 
 
 def check_what_a_stored_job_is_read_through_is_handed_over():
-    stream, first, second = memory.spent(0), bytearray(memory.FILE_BYTES), bytearray(memory.FILE_BYTES)
+    stream, first, second = memory.empty_stream(0), bytearray(memory.FILE_BYTES), bytearray(memory.FILE_BYTES)
     memory.keep([("d", stream), ("b", first), ("b", second)])
     try:
         assert memory.stream() is stream and memory.stream() is not stream

@@ -69,7 +69,7 @@ def check_power_cut_at_every_byte():
                 cut = CutSlots(slots, left, manner)
                 writer = make(cut)
                 writer.change(number, value)
-                writer.add_line("G54", offset)
+                writer.put("G54", offset)
                 writer.save()
                 rest = MemorySlots()
                 rest.data = cut.data
@@ -236,7 +236,7 @@ def wired(board, settings):
         named[item["name"]] = item["active"]
     levels = []
     for number, name in ((table.ENABLE_INVERT, "enable"), (table.LIMIT_INVERT, "limit_x"), (table.PROBE_INVERT, "probe")):
-        levels.append(named[name] ^ settings.turned(number))
+        levels.append(named[name] ^ settings.mask_change(number))
     ends = 0
     for axis in range(3):
         ends |= (0 if "xyz"[axis] in board["homing"]["high_end"] else 1) << axis
@@ -301,9 +301,9 @@ def check_mixed_limits():
     board = check(BOARD)
     board["inputs"][1]["active"] = 0
     settings = Settings(board, Journal(MemorySlots()))
-    assert settings.value(5) == 1 and settings.turned(5) == 0
+    assert settings.value(5) == 1 and settings.mask_change(5) == 0
     settings.change(5, 0)
-    assert settings.turned(5) == 1
+    assert settings.mask_change(5) == 1
 
 
 def check_the_release_is_told():

@@ -17,7 +17,7 @@ from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.build.reference import load_manifests
 from host_tools.resources import FIRMWARE, ROOT
-from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, asked_by_value
+from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, options_by_value
 from passo.config.boardfile import check
 
 OPTIONS = sorted(load_manifests())
@@ -81,7 +81,7 @@ def test_an_option_can_be_deleted(option, whole, tmp_path):
     assert left.keys() == whole.keys()
     for name in boards.names():
         board = boards.load(name)
-        asked, by_value = gone & board.keys(), gone & set(asked_by_value(board))
+        asked, by_value = gone & board.keys(), gone & set(options_by_value(board))
         outputs = {each for each in by_value if each.startswith((OF_OUTPUT, OF_INPUT))}
         if outputs:  # one that nothing sees to any more is no fault
             assert set(whole[name]) - set(left[name]) >= {str(tree.OPTIONS / each / tree.MANIFEST) for each in outputs}, (name, SEED)

@@ -265,4 +265,4 @@ def test_the_judgement_is_of_the_edges_themselves():
         for number, edge in enumerate(edges):
             assert quality.again([[Edges(start, edge)]]) == (number < len(edges) - 1)
             start = edge + 100
-        assert homing_lines(quality.found()) == wanted + "\r\n"
+        assert homing_lines(quality.report()) == wanted + "\r\n"

@@ -77,20 +77,21 @@ def test_a_contact_behind_the_reading_of_the_pin_is_not_lost():
     machine = Asked(router())
     machine.do("$X", "$H", "G21G90")
     inputs = machine.machine.app.controller.machine.inputs
-    read = inputs.touched
+    read = inputs.read
 
-    def touched():
-        answer = read()
-        machine.machine.port.advance(12_500)
+    def read_slowly(name):
+        answer = read(name)
+        if name == "probe":
+            machine.machine.port.advance(12_500)
         return answer
 
     for turn in range(6):
         machine.do("G0Z-5")
         machine.stand()
         wall = machine.plant.stock = Wall(2, -3600 - 101 * turn, -1)
-        inputs.touched = touched
+        inputs.read = read_slowly
         machine.machine.send(b"G38.2Z-20F900\n")
         machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 60_000)
-        inputs.touched = read
+        inputs.read = read
         found, contact = said(machine.machine.take(), [320, 320, 400])
         assert contact and found == wall.met[-1], (turn, found, wall.met)

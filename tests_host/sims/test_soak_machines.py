@@ -68,7 +68,7 @@ def needs_no_homing(monkeypatch):
 
 def tells_no_reset(monkeypatch):
     """A reset is not told."""
-    monkeypatch.setattr(MachineState, "restarted", lambda self, command=None: None)
+    monkeypatch.setattr(MachineState, "announce_restart", lambda self, command=None: None)
 
 
 def remembers_a_line(monkeypatch):

@@ -9,7 +9,7 @@ from host_tools.build.budget import PICO_PINS, budget_rows, check_module, memory
 from host_tools.cli.build import build, print_budget
 from host_tools.cli.flash import flash
 from host_tools.failure import Failure
-from passo.config.boardfile import check, claimed_pins
+from passo.config.boardfile import check, pin_claims
 
 pytestmark = pytest.mark.quick
 
@@ -95,7 +95,7 @@ def test_what_is_free_is_claimed_by_nobody():
     for name in boards.names():
         board = check(boards.load(name))
         rows = dict(budget_rows(board))
-        used = {pin for pin, _ in claimed_pins(board)}
+        used = {pin for pin, _ in pin_claims(board)}
         spi = board.get("spi_drivers")
         if spi:
             used |= {spi["sck"], *(motor["cs"] for motor in spi["motors"])}

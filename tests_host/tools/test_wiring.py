@@ -17,7 +17,7 @@ from host_tools.resources import ROOT
 from host_tools.wiring import table
 from host_tools.wiring.drawing import wiring_svg
 from host_tools.wiring.parts import REGISTER_BIT, common_enable, motors_of, parts_of
-from passo.config.boardfile import check, claimed_pins
+from passo.config.boardfile import check, pin_claims
 
 ImageFont = pytest.importorskip("PIL.ImageFont")
 matplotlib = pytest.importorskip("matplotlib")
@@ -38,7 +38,7 @@ def checked(name):
 
 def expected(board):
     """{pin as `data-pin` has it: names of the parts that it leads to}, by the claims of the firmware's own check."""
-    claims = claimed_pins(board)
+    claims = pin_claims(board)
     power = "power" if board["tool"]["pin"] >= REGISTER_BIT else "tool"
     whole = {"tool": "tool", "spindle's power": power, "input of the registers": "registers", "input of the card": "card", "drivers": "drivers", "spi_drivers": "drivers", **{name: name for name in ("inverter", "card", "servo")}}
     begun = {"axis ": "motor_", "input of encoder ": "encoder_", "input ": "in_", "output ": "out_", "link ": "link_"}

@@ -119,7 +119,7 @@ def names_of(items, part):
     return found
 
 
-def asked_by_value(board):
+def options_by_value(board):
     """Names of the options that a raw board file asks for by a value, not by a key: by the name of an output or input, or by drive.kind. Values may
     be of any type."""
     drive = board.get("drive")
@@ -137,7 +137,7 @@ def own_rules(board, rules):
     A manifest may have rewrite(raw board), which returns (it, Additions.levels or None); extend(rules); prepare(board), called before pins
     are checked; claims(board), which returns [(pin, who)]; has_bit(pin), True if an output is on no pin of the chip; and check(board)."""
     own = []
-    for key in sorted([key for key in board if isinstance(key, str)]) + asked_by_value(board):
+    for key in sorted([key for key in board if isinstance(key, str)]) + options_by_value(board):
         if key not in rules and "." not in key:
             try:
                 module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))

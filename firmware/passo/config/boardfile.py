@@ -232,7 +232,7 @@ def _check_clock(board):
         raise BoardError("clock_mhz: an %s runs at %s here, not %d" % (chip, " or ".join([str(mhz) for mhz in clocks]), board["clock_mhz"]))
 
 
-def claimed_pins(board, own=None):
+def pin_claims(board, own=None):
     """[(pin, who)] of everything that claims a pin, a serial port's two included. A name begins with "input" or ends in " rx" if the chip only
     reads the pin. `own`: the manifests of the board's options; by default they are loaded."""
     claims = [(pin, "axis %s" % axis["name"]) for axis in board["axes"] for pin in axis["pins"]]
@@ -260,7 +260,7 @@ def _check_pins(board, own):
         if len(axis["pins"]) != pins_of:
             raise BoardError("axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, pins_of, len(axis["pins"])))
     owners = {}
-    for pin, who in claimed_pins(board, own):
+    for pin, who in pin_claims(board, own):
         outside = any([module.has_bit(pin) for module in own if hasattr(module, "has_bit")])
         if not outside and (not isinstance(pin, int) or not 0 <= pin <= 48):
             raise BoardError("%s: %r is no pin number" % (who, pin))

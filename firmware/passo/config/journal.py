@@ -51,13 +51,13 @@ class Journal:
         self._slot, self._sequence = slot, sequence
 
 
-def sealed(front, body=b""):
+def seal_record(front, body=b""):
     """The first line of a file: `front`, and the CRC-32 of it and of the `body` behind it."""
     return front + b" %08x\n" % (crc32(body, crc32(front)) & 0xFFFFFFFF)
 
 
 def _front_line(sequence, body):
-    return sealed(b"passo %d %d" % (sequence, len(body)), body)
+    return seal_record(b"passo %d %d" % (sequence, len(body)), body)
 
 
 def _parse_slot(data):

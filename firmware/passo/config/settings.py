@@ -80,7 +80,7 @@ class Settings:
             return self._changed[number]
         return self._table[number][2]
 
-    def turned(self, number):
+    def mask_change(self, number):
         """Of one of MASKS: the bits in which it differs from the board file."""
         return self.value(number) ^ self._table[number][2]
 
@@ -256,8 +256,8 @@ class Settings:
         """Hand the values that the board file also has to the board dict."""
         for number, axis in enumerate(self._board["axes"]):
             axis["steps_per_m"] = self.steps_per_m[number] = self.value(STEPS + number)
-            axis["reversed"] = self._board_reversed[number] != bool(self.turned(DIRECTION_INVERT) >> number & 1)
-            axis["step_inverted"] = bool(self.turned(STEP_INVERT) >> number & 1)
+            axis["reversed"] = self._board_reversed[number] != bool(self.mask_change(DIRECTION_INVERT) >> number & 1)
+            axis["step_inverted"] = bool(self.mask_change(STEP_INVERT) >> number & 1)
             axis["travel_steps"] = self._board_travel[number]
             if TRAVEL + number in self._changed or STEPS + number in self._changed:
                 axis["travel_steps"] = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000

@@ -70,7 +70,7 @@ class Changeover(Feature):
             return errors.BUSY
         if ours != self.ours:
             self._switch(ours)
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _switch(self, ours):
         """Break; poll() makes."""

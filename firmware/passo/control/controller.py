@@ -37,7 +37,7 @@ class Controller:
             features.append(self.features[name])
         machine.handlers.update({
             commands.BAD: self._refuse,
-            commands.HELLO: machine.accepted,
+            commands.HELLO: machine.confirm_command,
             commands.HOME: self._home,  # but for a machine with the feature
             commands.STOP: self._stop,
             commands.SETTING: self._setting,
@@ -95,7 +95,7 @@ class Controller:
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.kind == commands.STATUS:
-            self.machine.accepted(command, self.machine.report(True))
+            self.machine.confirm_command(command, self.machine.report(True))
             for asked in self.asks:
                 asked(command.link)
             return 0
@@ -201,7 +201,7 @@ class Controller:
         if settings.dirty and not settings.failed:
             machine.awake = True
 
-    def stopped_by(self, name):
+    def handle_stop(self, name):
         """An input that halts has stopped the player; or a feature, or an input that a feature reads."""
         for stopped in self._stops:
             if stopped(name):
@@ -225,7 +225,7 @@ class Controller:
         machine = self.machine
         number, value = command.target, command.value
         if number is None:
-            return machine.accepted(command, machine.settings.numbers)
+            return machine.confirm_command(command, machine.settings.numbers)
         places = machine.settings.places(number)
         if places is None:
             return errors.STATEMENT
@@ -237,7 +237,7 @@ class Controller:
             error = machine.change_setting(number, value)
             if error:
                 return error
-        return machine.accepted(command, (number, machine.settings.value(number), places))
+        return machine.confirm_command(command, (number, machine.settings.value(number), places))
 
     def _stop(self, command):
         machine = self.machine

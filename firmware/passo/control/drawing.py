@@ -63,7 +63,7 @@ class Drawing(Feature):
         if self._machine.state != "idle":
             return self._machine.unready() or LATER
         self._speed = command.value
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _point(self, command):
         machine = self._machine
@@ -80,7 +80,7 @@ class Drawing(Feature):
         self._begin()
         x, y = command.target
         self.points.put(x, y, command.tool)
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _begin(self):
         """The next point may be the first of an object."""
@@ -142,7 +142,7 @@ class Drawing(Feature):
         refusal = machine.unready()
         if refusal:
             return refusal
-        if machine.drawing or machine.command is not None or machine.occupied():
+        if machine.drawing or machine.command is not None or machine.axes_are_owned():
             return errors.BUSY
         queue = self._queue
         if machine.jogging:
@@ -156,7 +156,7 @@ class Drawing(Feature):
             at = queue.target[axis]
             if not min(low, at) <= target[axis] <= max(high, at):
                 return errors.JOG_TRAVEL
-        refusal = machine.barred(command.target)
+        refusal = machine.interlock_error(command.target)
         if refusal:
             return refusal
         if not queue.room():
@@ -164,7 +164,7 @@ class Drawing(Feature):
         machine.jogging = True
         queue.line(target, self._ticks, queue.tool, 0)
         queue.flush()
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     # --- drawing
 

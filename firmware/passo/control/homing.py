@@ -43,7 +43,7 @@ class Seeker:
     def keep(self, number):
         self.edges[number] = self.sensors[number].edge
 
-    def met(self, active):
+    def has_reached(self, active):
         """True if all sensors are free, or one is active."""
         for number in range(len(self.sensors)):
             if self.sensors[number].active:
@@ -143,7 +143,7 @@ class Homing(Feature):
         machine.homed = machine.known == self._all
         if not machine.homed:
             machine.require_homing(" ".join(self._letters()))
-        machine.finish(self._quality and self._quality.found())
+        machine.finish(self._quality and self._quality.report())
 
     def _sensors(self, number):
         names = [self._config["sensors"][self._axes[number]["name"]]]
@@ -191,7 +191,7 @@ class Homing(Feature):
             for sensor in seeker.sensors:
                 sensor.sample(now_ms, position)
                 pending = pending or sensor.pending
-            if not seeker.done and self._until is not None and (self._side.active if self._side else seeker.met(self._until)):
+            if not seeker.done and self._until is not None and (self._side.active if self._side else seeker.has_reached(self._until)):
                 seeker.done = ended = True
         left = [seeker for seeker in group if not seeker.done]
         if ended and not still:
@@ -203,7 +203,7 @@ class Homing(Feature):
             if not still or pending:
                 return _ON_ITS_WAY
             for seeker in left:
-                if self._until is not None or not seeker.met(False):
+                if self._until is not None or not seeker.has_reached(False):
                     return self._alarm
         self._stage += 1
         if self._stage == len(self._groups) * len(self._phases):
@@ -235,7 +235,7 @@ class Homing(Feature):
     def _leave(self, seeker):
         self.until(False)
         limit = max(self._axes[seeker.axis]["travel_steps"] // 10, 5 * seeker.pull_off_steps)
-        self.way(seeker, 0 if seeker.met(False) else limit, seeker.seek_steps_s)
+        self.way(seeker, 0 if seeker.has_reached(False) else limit, seeker.seek_steps_s)
 
     def _seek(self, seeker):
         self.until(True, errors.ALARM_SENSOR_DEAD)
@@ -244,13 +244,13 @@ class Homing(Feature):
     def _pull_off(self, seeker):
         self.until(None)
         seeker.keep(seeker.tripped)
-        self.way(seeker, seeker.pull_off_steps - self.gone(seeker, seeker.tripped), seeker.seek_steps_s)
+        self.way(seeker, seeker.pull_off_steps - self.steps_from_edge(seeker, seeker.tripped), seeker.seek_steps_s)
 
     def _locate(self, seeker):
         self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -3 * seeker.pull_off_steps, seeker.locate_steps_s)
 
-    def gone(self, seeker, number):
+    def steps_from_edge(self, seeker, number):
         """Steps from the edge of one of its sensors, away from it."""
         return (self._queue.axis(seeker.axis) - seeker.edges[number]) * seeker.away
 

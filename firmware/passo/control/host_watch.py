@@ -89,7 +89,7 @@ class HostWatch(Feature):
             self._silent = False
             in_time = (self._since_ms - self._asked_ms) & COUNT_MASK < link["lost_ms"]
             if link["protocol"] != _MAY_BE_SILENT or self._asks and self._doubt < 0 and self._seldom < 2 and in_time:
-                self._lost(link)
+                self._act_on_loss(link)
             self._since_ms = now_ms
 
     def on_status_request(self, link):
@@ -106,7 +106,7 @@ class HostWatch(Feature):
         self._seldom = 0 if (now_ms - self._question_ms) & COUNT_MASK < _SELDOM_MS else self._seldom + 1
         self._asked_ms = self._question_ms = now_ms
 
-    def _lost(self, link):
+    def _act_on_loss(self, link):
         machine = self._machine
         if commands.HOLD not in machine.handlers:
             machine.note(errors.HOST_LOST, link["name"])

@@ -30,17 +30,14 @@ class Inputs:
         settings = self._settings
         if self._version != settings.version:
             self._version = settings.version
-            self._turned = [limit for limit in self.names if limit != "probe"] if settings.turned(table.LIMIT_INVERT) else []
-            if settings.turned(table.PROBE_INVERT):
+            self._turned = [limit for limit in self.names if limit != "probe"] if settings.mask_change(table.LIMIT_INVERT) else []
+            if settings.mask_change(table.PROBE_INVERT):
                 self._turned.append("probe")
         return self.input(name) != (name in self._turned)
 
     def limits_hit(self):
         """True if hard limits are watched and one is active."""
         return bool(self._settings.value(table.HARD_LIMITS)) and any([self.read(name) for name in self.names])
-
-    def touched(self):
-        return self.has_probe and self.read("probe")
 
     def door_open(self):
         return self.door and self.input("door")

@@ -43,4 +43,4 @@ class Links(Feature):
             machine.guard()
             if machine.alarm and not alarm:
                 machine.notice(errors.NOTICE_LOCKED)
-        return machine.accepted(command)
+        return machine.confirm_command(command)

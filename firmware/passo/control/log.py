@@ -15,28 +15,28 @@ class Log:
         self._clock = clock
         self._numbers = array("i", bytearray(4 * 2 * _SIZE))  # of each entry: machine milliseconds, number
         self._who = [""] * _SIZE
-        self.added = 0  # entries since the start
+        self.count = 0  # entries since the start
         self.last = 0  # the latest number nobody has read; 0: none
         self.pins = None  # a function that returns the counts of inputs that forbid motion; None: there is none
         self.counts = {}  # of each number: how many times since the start
 
     def add(self, number, who=None):
-        index = self.added % _SIZE
+        index = self.count % _SIZE
         self._numbers[2 * index] = self._clock()
         self._numbers[2 * index + 1] = number
         self._who[index] = who
-        self.added += 1
+        self.count += 1
         self.counts[number] = self.counts.get(number, 0) + 1
         self.last = number
 
     @property
     def entries(self):
         """[(machine milliseconds, number, who)], the oldest first, 32 at most."""
-        return [self._entry(count % _SIZE) for count in range(max(self.added - _SIZE, 0), self.added)]
+        return [self._entry(count % _SIZE) for count in range(max(self.count - _SIZE, 0), self.count)]
 
     def newest(self):
-        """The last entry; only where `added` says that there is one."""
-        return self._entry((self.added - 1) % _SIZE)
+        """The last entry; only if `count` is above 0."""
+        return self._entry((self.count - 1) % _SIZE)
 
     def _entry(self, index):
         return self._numbers[2 * index], self._numbers[2 * index + 1], self._who[index]

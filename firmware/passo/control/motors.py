@@ -57,17 +57,17 @@ class Motors:
             return self._drive is None
         return self.state == RUNNING and (self._port.machine_ms() - self._ready_ms) & COUNT_MASK < COUNT_HALF
 
-    def unpowered(self, mask):
+    def cut_current(self, mask):
         """The axes of `mask` are without current while the others run; 0: none. Drivers with STEP and DIR share one
         output: theirs stays on."""
         if self._drive is not None:
-            self._drive.unpowered(mask)
+            self._drive.cut_current(mask)
 
     def unpower(self, axes):
         """Motion goes out, and no motor has current, if `axes`, a mask, is not 0; 0: as usual again. Only at a stand."""
         self._without = axes != 0
         if self._drive is not None:
-            self._drive.unpowered(axes)
+            self._drive.cut_current(axes)
         if axes and self.state != RELEASED:
             self._set(RELEASED)
 

@@ -34,14 +34,14 @@ class Pauses(Feature):
             self._stop(machine.hold)
         elif machine.state in ("idle", "run"):
             self._stop("hold")
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _door(self, command):
         """As grbl: an alarm and check mode take no notice of the door, and homing ends with an alarm that says it."""
         machine = self._machine
         if machine.busy_with(commands.HOME):
             machine.homing_failed(errors.ALARM_HOMING_DOOR)
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         state = machine.state
         if state not in ("alarm", "check"):
             machine.notice(errors.NOTICE_DOOR)
@@ -49,7 +49,7 @@ class Pauses(Feature):
             if machine.jogging:
                 machine.drop_at_stand()
             self._stop("door")
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _pause(self, command):
         """The operator's pause: at a stand already."""
@@ -58,7 +58,7 @@ class Pauses(Feature):
         if result:
             return result
         if machine.checking:
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         machine.command = command
         if command.value:
             machine.notice(errors.NOTICE_TOOL, command.value - 1)
@@ -98,7 +98,7 @@ class Pauses(Feature):
         if ready and not (machine.hold == "door" and machine.inputs.door_open()):
             machine.resuming = True
             self._switch_on()
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _switch_on(self):
         machine = self._machine
@@ -118,7 +118,7 @@ class Pauses(Feature):
         machine = self._machine
         if machine.jogging and not machine.dropping:
             machine.drop_at_stand()
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _toggle(self, command):
         machine = self._machine
@@ -134,7 +134,7 @@ class Pauses(Feature):
                 self._wait(self._spindle["coolant_ms"])
             machine.coolant ^= command.value
             machine.show_outputs(machine.hold != "door")
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     # --- what goes on over many passes
 

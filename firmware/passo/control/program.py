@@ -64,7 +64,7 @@ class Program(LineBatches):
             return error
         machine = self._machine
         if command.kind == commands.LINE and not machine.checking and self._row(command):
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         if command.kind != commands.LINE or machine.checking:  # of a line the planner finds out
             error = self._too_long(command)
             if error:
@@ -81,7 +81,7 @@ class Program(LineBatches):
             error = self._refusal(command)
             if error:
                 return error
-        return self._checked(command) if machine.checking else self._begin(command)
+        return self._advance_target(command) if machine.checking else self._begin(command)
 
     def _forbidden(self, command, note=True):
         """0, or why a motion is forbidden; of an arc's plane it must allow both directions."""
@@ -89,20 +89,20 @@ class Program(LineBatches):
         if machine.checking:
             return 0
         deltas = self._queue.deltas(command.target)
-        error = machine.barred(deltas, command.tool, note)
+        error = machine.interlock_error(deltas, command.tool, note)
         if command.kind == commands.ARC:
             for axis in (command.first, command.second):
                 for sign in (1, -1):
                     deltas[axis] = sign
-                    error = error or machine.barred(deltas, False, note)
+                    error = error or machine.interlock_error(deltas, False, note)
         for motion in command.also:
-            error = error or machine.barred([to - at for to, at in zip(motion.target, command.target)], False, note)
+            error = error or machine.interlock_error([to - at for to, at in zip(motion.target, command.target)], False, note)
         return error
 
-    def _checked(self, command):
+    def _advance_target(self, command):
         """Move the queue's end as if the motion had been queued: it is only checked."""
         self._queue.lead(command.target)
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _refusal(self, command):
         """0, or the error of one of the lines that follow `command`: then none of them begins."""
@@ -130,19 +130,19 @@ class Program(LineBatches):
             return error
         if self._machine.cautious:
             self._machine.caution()
-        self._machine.moved()
-        return self._machine.accepted(command)
+        self._machine.note_motion()
+        return self._machine.confirm_command(command)
 
     def _jog(self, command):
         machine = self._machine
-        if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.occupied():
+        if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.axes_are_owned():
             error = self._unready(command) or self._too_long(command)
             return error if error and error != LATER else LATER if machine.dropping else errors.BUSY
         if not machine.jogging:
             machine.inform(BY_HAND)
         if self._row(command):
             machine.jogging = True
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         error = self._too_long(command) or (0 if self._reachable(command) else errors.JOG_TRAVEL)
         error = error or self._forbidden(command) or self._begin(command)
         machine.jogging = machine.jogging or error == 0
@@ -186,7 +186,7 @@ class Program(LineBatches):
             return errors.LOCKED
         if machine.detached and not machine.checking:
             return errors.NO_MOTORS
-        if machine.command is not None or machine.drawing or machine.dropping or machine.actives and machine.occupied():
+        if machine.command is not None or machine.drawing or machine.dropping or machine.actives and machine.axes_are_owned():
             return LATER
         return 0
 
@@ -282,12 +282,12 @@ class Program(LineBatches):
         if not machine.settle():
             return LATER
         if machine.checking:
-            return self._checked(command)
+            return self._advance_target(command)
         if not self._reachable(command):
             machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
-        if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
-            return self._missed(command, errors.ALARM_PROBE_STATE)
+        if machine.inputs.read("probe") != bool(command.value & _PROBE_AWAY):
+            return self._end_missed_probe(command, errors.ALARM_PROBE_STATE)
         error = self._forbidden(command)
         if error:
             return error
@@ -311,15 +311,15 @@ class Program(LineBatches):
             return
         latch = self._latch
         seen = latch and latch.seen  # read before the pin: an edge that comes between the two is a contact, and begin() would forget it
-        if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
+        if machine.inputs.read("probe") != bool(command.value & _PROBE_AWAY):
             self._touch = queue.position(latch if latch and latch.seen else None)
             machine.drop_at_stand()
         elif still:
-            self._missed(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
+            self._end_missed_probe(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
         elif seen:  # over by now: noise
             latch.begin(*queue.lend())
 
-    def _missed(self, command, alarm):
+    def _end_missed_probe(self, command, alarm):
         """An alarm, if there is one, comes before the answer."""
         machine = self._machine
         machine.command = None
@@ -332,7 +332,7 @@ class Program(LineBatches):
     # --- what waits for the motion before it
 
     def _sync(self, command):
-        return self._machine.gate() or self._machine.accepted(command)
+        return self._machine.gate() or self._machine.confirm_command(command)
 
     def _dwell(self, command):
         machine = self._machine
@@ -340,7 +340,7 @@ class Program(LineBatches):
         if result:
             return result
         if machine.checking or not command.value:
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         self._dwell_ms = (command.value + 999) // 1000
         self._go_on_dwelling()
         machine.active = True

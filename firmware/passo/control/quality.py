@@ -2,7 +2,7 @@
 
     quality.begin(10)               # ten runs behind the one that finds zero, which is discarded
     quality.again(groups)           # a run has ended; True if there is another to come
-    quality.found()                 # [(axis, side, runs, range, σ in hundredths of a step, drift)], or None
+    quality.report()                # [(axis, side, runs, range, σ in hundredths of a step, drift)], or None
 
 A run begins where the one before has ended, a pull-off from the edge that it found: its edge lies from the last one by the difference to
 the pull-off, and from the first by the sum of the differences. Drift is the mean of the last third less that of the first.
@@ -37,7 +37,7 @@ class Quality:
         else:
             edges.append((edges[-1] if edges else 0) + beyond)
 
-    def found(self):
+    def report(self):
         return [self._judge(key) for key in sorted(self._edges)] if self._runs else None
 
     def _judge(self, key):

@@ -36,11 +36,11 @@ class Queue:
 
     def position(self, edge=None):
         """Return the machine's position, exact at this moment, or at the moment of `edge`, a Latch."""
-        return list(self.found(edge))
+        return list(self.shared_position(edge))
 
-    def found(self, edge=None):
+    def shared_position(self, edge=None):
         """The same in an array that is good until something asks the feeder again."""
-        return self._from_origin(self._feeder.found(self._player.played(), edge))
+        return self._from_origin(self._feeder.shared_position(self._player.played(), edge))
 
     def look(self, played=None):
         """Read the machine's position and state at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
@@ -61,7 +61,7 @@ class Queue:
 
     def set_origin(self, axes=-1):
         """Make this position machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
-        found = self._feeder.found(self._player.played())
+        found = self._feeder.shared_position(self._player.played())
         for axis in range(len(found)):
             if axes >> axis & 1:
                 self._origin[axis] = found[axis]
@@ -90,7 +90,7 @@ class Queue:
         """True when a hold has come to its stand."""
         return self._feeder.standing() and not self._player.busy()
 
-    def added(self):
+    def blocks_queued(self):
         """How many blocks have been queued, for ever, modulo 2²⁹."""
         return self._planner.indices[QUEUE_ADDED]
 
@@ -102,7 +102,7 @@ class Queue:
         feeder.retire(self._player.played())
         feeder.open = fed
 
-    def retired(self):
+    def blocks_played(self):
         """And how many of them have been played to their last word."""
         return self._planner.indices[QUEUE_RETIRED]
 
@@ -196,7 +196,7 @@ class Queue:
 
     def axis(self, axis, edge=None):
         """Return the position of an axis, now or at the moment of `edge`, a Latch, in steps from the place where the machine was switched on."""
-        return self._feeder.found(self._player.played(), edge)[axis]
+        return self._feeder.shared_position(self._player.played(), edge)[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""
@@ -216,7 +216,7 @@ class Queue:
         return self._feeder.index(self._player.played())
 
     def spot(self):
-        """(index in the step program under way or None, position), of one moment; the position as found()."""
+        """(index in the step program under way or None, position), of one moment; the position as of shared_position()."""
         index, found = self._feeder.spot(self._player.played())
         return index, self._from_origin(found)
 
@@ -232,7 +232,7 @@ class Queue:
 
     def settle(self):
         """Say that the queue ends where the machine stands. Only at a stand."""
-        self.lead(self.found())
+        self.lead(self.shared_position())
 
     # --- stopping
 

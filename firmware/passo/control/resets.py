@@ -32,8 +32,8 @@ class Resets(Feature):
         else:
             machine.abort()
             machine.forget(ANEW)
-        machine.restarted(command)
-        return machine.accepted(command)
+        machine.announce_restart(command)
+        return machine.confirm_command(command)
 
     def _unlock(self, command):
         machine = self._machine
@@ -45,7 +45,7 @@ class Resets(Feature):
             machine.unlock()
             machine.notice(errors.NOTICE_UNLOCKED)
             machine.warn()
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _check(self, command):
         machine = self._machine
@@ -54,9 +54,9 @@ class Resets(Feature):
                 return errors.BUSY
             machine.checking = True
             machine.notice(errors.NOTICE_CHECK_ON)
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         machine.notice(errors.NOTICE_CHECK_OFF)
-        machine.accepted(command)
+        machine.confirm_command(command)
         return self._reset(command)
 
     def _sleep(self, command):
@@ -65,4 +65,4 @@ class Resets(Feature):
         machine.guarded = 0
         machine.sleeping = True
         machine.notice(errors.NOTICE_SLEEPING)
-        return machine.accepted(command)
+        return machine.confirm_command(command)

@@ -24,7 +24,7 @@ class SpindleSpeed(Feature):
         self._rpm_of = None  # the rpm and override from which `_rpm` was computed
         self._rpm = 0
 
-    def asked_rpm(self):
+    def target_rpm(self):
         """S with its override, within $31 and $30: thousandths of a turn a minute. Computed anew only when it changes: that
         allocates."""
         machine = self._machine

@@ -117,7 +117,7 @@ class MachineState:
         for held in self._held:
             if held():
                 return "hold"
-        return "run" if command or self.drawing or self.active or self.actives and self.occupied() else "idle"
+        return "run" if command or self.drawing or self.active or self.actives and self.axes_are_owned() else "idle"
 
     def busy_with(self, kind):
         return self.command is not None and self.command.kind == kind
@@ -130,7 +130,7 @@ class MachineState:
         command = self.command
         return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
 
-    def occupied(self):
+    def axes_are_owned(self):
         """True while a feature has the axes to itself; ask only if there are `actives`, that may."""
         for active in self.actives:
             if active():
@@ -145,7 +145,7 @@ class MachineState:
             return errors.NO_MOTORS
         return errors.NOT_HOMED if self._homing_first and not self.homed else 0
 
-    def barred(self, steps, tool=False, note=True):
+    def interlock_error(self, steps, tool=False, note=True):
         """0, or INTERLOCKED if steps of these signs (None or 0: none), or the tool, are forbidden now. `note`: log the
         input."""
         veto = self.veto
@@ -204,8 +204,8 @@ class MachineState:
 
     # --- events
 
-    def accepted(self, command, value=None):
-        event = command.accepted or Event(ACCEPTED, command)
+    def confirm_command(self, command, value=None):
+        event = command.reply or Event(ACCEPTED, command)
         event.value = value
         self.events.append(event)
         return 0
@@ -232,7 +232,7 @@ class MachineState:
             self.awake = True
             handler(Command(kind))
 
-    def moved(self):
+    def note_motion(self):
         """Say that motion of a program has been queued."""
         self.active = self.fresh = self.awake = True
 
@@ -379,7 +379,7 @@ class MachineState:
         if self.guarded and self.alarm in (0, errors.ALARM_LOCKED):
             self.alarm = errors.ALARM_LOCKED if self.guarded >> self.commander & 1 else 0
 
-    def restarted(self, command=None):
+    def announce_restart(self, command=None):
         """Tell all links that the machine begins anew, by `command` or because it was switched on; an active limit locks
         it, an open door holds it."""
         limits = self.inputs.limits_hit()
@@ -395,4 +395,4 @@ class MachineState:
     def homing_failed(self, alarm):
         """Alarm and restart, as grbl does: whatever was sent behind the homing is dropped."""
         self.raise_alarm(alarm, None, ANEW)
-        self.restarted()
+        self.announce_restart()

@@ -29,9 +29,9 @@ class SwitchedOutput(Feature):
         """M64 and M65 of this number are not for another feature's outputs."""
         if self._number >= 0:
             for code, handler in ((64, self._switch_on), (65, self._switch_off)):
-                handlers[commands.CODE + code] = self._chosen(handler, handlers.get(commands.CODE + code))
+                handlers[commands.CODE + code] = self._by_number(handler, handlers.get(commands.CODE + code))
 
-    def _chosen(self, own, other):
+    def _by_number(self, own, other):
         def handle(command):
             if command.value == self._number:
                 return own(command)
@@ -53,13 +53,13 @@ class SwitchedOutput(Feature):
         machine = self._machine
         result = machine.gate()
         if result or machine.checking:
-            return result or machine.accepted(command)
+            return result or machine.confirm_command(command)
         if not on:
             result = self.unfit_to_end()
             if result:
                 return result
         self.put(on)
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def unfit_to_end(self):
         """0, or why it may not be switched off now."""

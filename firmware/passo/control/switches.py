@@ -42,7 +42,7 @@ class Switches(Feature):
 
     def _turn(self):
         self._hard = bool(self._settings.value(table.HARD_LIMITS))
-        turned = 1 if self._settings.turned(table.LIMIT_INVERT) else 0
+        turned = 1 if self._settings.mask_change(table.LIMIT_INVERT) else 0
         if turned != self._turned:
             self._turned = turned
             for watch, _, level in self._watches:

@@ -92,7 +92,7 @@ class Tools(Feature):
                 return result
         if not machine.checking:
             if command.value != SPINDLE_OFF:
-                result = machine.barred((), True)
+                result = machine.interlock_error((), True)
                 if result:
                     return result
             turned = command.value != machine.spindle
@@ -106,7 +106,7 @@ class Tools(Feature):
             lit = self._queue.lit() if still else self._queue.tool
             if command.tool != lit:
                 self._queue.set_tool(command.tool, 0)
-                machine.moved()
+                machine.note_motion()
                 if still or not laser:
                     self._queue.flush()
                     machine.command = command
@@ -122,7 +122,7 @@ class Tools(Feature):
                 if lit and not machine.is_at_speed():
                     machine.command = command
                     return 0
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _cool(self, command):
         machine = self._machine
@@ -132,7 +132,7 @@ class Tools(Feature):
         if not machine.checking:
             machine.coolant = command.value
             self.show_outputs(machine.hold != "door")
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def show_outputs(self, on):
         """Coolant and the spindle's direction; all of them off while the door holds the machine."""
@@ -151,7 +151,7 @@ class Tools(Feature):
         else:
             overrides[which] = max(_LOWEST, min(_HIGHEST, overrides[which] + command.feed))
         self._override_all()
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _override_motion(self):
         feed, rapid, _ = (100, 100, 0) if self._own else self._machine.overrides

@@ -134,7 +134,7 @@ def test_the_virtual_board_goes_the_same_way(router, cause, numbers, show):
 @pytest.mark.slow
 def test_a_hang_ends_in_the_watchdog_and_leaves_the_box(uf2, show):
     """The main loop hangs amid a job: interrupts bring the machine to a stand, the watchdog resets the chip."""
-    fault = "        if self.controller.machine.log.added and self.controller.machine.log.newest()[1] == 33:\n            while True:\n                pass\n"
+    fault = "        if self.controller.machine.log.count and self.controller.machine.log.newest()[1] == 33:\n            while True:\n                pass\n"
     machine = EmulatedMachine(BOARD, with_fault("passo/app.py", TURN, fault, BOARD), uf2=uf2, start=START).boot()
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(2300)  # the watchdog begins after the time of grace

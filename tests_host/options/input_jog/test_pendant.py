@@ -4,7 +4,7 @@ import pytest
 
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
-from passo.config.boardfile import BoardError, check, claimed_pins
+from passo.config.boardfile import BoardError, check, pin_claims
 
 pytestmark = pytest.mark.quick
 NAMES = ("jog_x+", "jog_x-", "jog_y+", "jog_y-", "jog_fast")
@@ -12,7 +12,7 @@ NAMES = ("jog_x+", "jog_x-", "jog_y+", "jog_y-", "jog_fast")
 
 def board(**keys):
     made = boards.load("router_3axis")
-    free = [pin for pin in range(29) if pin not in [pin for pin, _ in claimed_pins(check(made))]]
+    free = [pin for pin in range(29) if pin not in [pin for pin, _ in pin_claims(check(made))]]
     made["inputs"] = [*made["inputs"], *({"name": name, "pin": pin, "active": 0} for name, pin in zip(NAMES, free))]
     made["speed"] = {"unit": "steps_per_s", "default": 2000, "min": 10, "max": 4000}
     made.update(keys)

@@ -164,8 +164,8 @@ class Links(links.Links):
     def _add_position_row(self, kind, retired=None):
         """Write a row with the blocks retired and the position, in steps."""
         self._turn = 0  # an alarm may follow, behind which the machine sleeps soon
-        at = self._add_row(kind, self._queue.retired() if retired is None else retired) + 5
-        found = self._queue.found()
+        at = self._add_row(kind, self._queue.blocks_played() if retired is None else retired) + 5
+        found = self._queue.shared_position()
         self.numbers[at : at + len(found)] = found
 
     def _take_snapshot(self):
@@ -182,7 +182,7 @@ class Links(links.Links):
         numbers[at] = self._now_ms()
         numbers[at + 1] = numbers[BOX_BASE] + taken
         numbers[at + 2] = numbers[BOX_ADDED]
-        numbers[at + 3] = self._queue.added()
+        numbers[at + 3] = self._queue.blocks_queued()
         numbers[at + 4] = flags
         numbers[at + 5 : at + 5 + len(target)] = target
         self._log.write_state(numbers, at + 9)
@@ -203,7 +203,7 @@ class Links(links.Links):
     def _look_now(self, still):
         """Record what has changed since the last look; write the box to flash _LATER cycles after an alarm, at a stand."""
         machine = self._machine
-        if machine.stood != self._stood or machine.homed != self._homed or machine.log.added != self._logged:
+        if machine.stood != self._stood or machine.homed != self._homed or machine.log.count != self._logged:
             self._record_changes(machine)
         taken = self._fields[self._at]
         much = taken - self._before > _MUCH
@@ -213,7 +213,7 @@ class Links(links.Links):
         if self._levels() != self._seen:
             self._look_at_inputs()
         if machine.dropping:
-            self._retired = self._queue.retired()
+            self._retired = self._queue.blocks_played()
         if not still:
             now_ms = self._now_ms()
             if (now_ms - self._sampled_ms) & COUNT_MASK >= _SAMPLE_MS:
@@ -253,14 +253,14 @@ class Links(links.Links):
             self._homed = machine.homed
             self._take_snapshot()  # none before it says where the motors are
         log = machine.log
-        if log.added != self._logged:
+        if log.count != self._logged:
             before = 0
-            for _, number, _ in log.entries[self._logged - log.added :]:
+            for _, number, _ in log.entries[self._logged - log.count :]:
                 if number != before:  # each line that waits is refused by the same
                     self._add_row(LOGGED, number)
                     self._due = self._due or int(number > errors.ALARM_LOCKED)
                 before = number
-            self._logged = log.added
+            self._logged = log.count
             if machine.alarm == errors.ALARM_POWER and self._due:
                 self.save("alarm")  # at once
 
@@ -286,7 +286,7 @@ class Links(links.Links):
     def halt(self):
         """Record where the pins have stopped, behind the reason of the stop; nothing if the same was recorded last."""
         self._catch_up()
-        here = self._note_come(), list(self._queue.found())
+        here = self._note_come(), list(self._queue.shared_position())
         if here != self._halted:
             self._halted = here
             self._add_position_row(HALTED)

@@ -29,7 +29,7 @@ class CoilDrive:
         self._live = b"".join(self._table)
         self._off = off
         self._phase = bytearray(axes)
-        self.unpowered(0)
+        self.cut_current(0)
 
     def levels_off(self):
         """Return the levels of all motors without current."""
@@ -48,7 +48,7 @@ class CoilDrive:
         """Turn words[at : at + count] from the step form into this drive's pin levels; the tool bit and time stay."""
         apply(words, at, count, self.axes, self.width, self._last, self._tables, self._phase)
 
-    def unpowered(self, mask):
+    def cut_current(self, mask):
         """The axes of `mask` are without current in all that is made from now on; the others have theirs."""
         self._unpowered = mask
         self._tables = b"".join(self._tables_in_force(self._table))

@@ -54,7 +54,7 @@ class Motors(drives.Motors):
             if machine.inputs.read(self._sensors[axis]):
                 self._asked = self._feels = False
                 machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
-                machine.restarted()
+                machine.announce_restart()
                 return True
         return False
 

@@ -170,7 +170,7 @@ class Homing(homing.Homing):
             return
         edge = seeker.edges[seeker.tripped]
         full = self._full[seeker.axis]
-        beyond = -self.gone(seeker, seeker.tripped)
+        beyond = -self.steps_from_edge(seeker, seeker.tripped)
         slipped = 8 * beyond > full
         for sensor in seeker.sensors:
             self._doubt = self._doubt or slipped or sensor.late

@@ -53,7 +53,7 @@ class EncoderWatch(Feature):
     def _zero_counts(self, command):
         """Do ZERO_COUNTS: the counts shown begin at 0."""
         self._encoders.zero_counts()
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def report(self, report):
         encoders = self._encoders

@@ -140,7 +140,7 @@ class GantryWatch(Feature):
         self._left = abs(lag)
         steps = [0] * (self._axis + 1)
         steps[self._axis] = 1 if self._forward else -1
-        if self._machine.barred(steps):
+        if self._machine.interlock_error(steps):
             self._raise_alarm()
             return
         self._machine.note(errors.SQUARED, "%s %+d" % (self._motors[self._motor], self._left if self._forward else -self._left))

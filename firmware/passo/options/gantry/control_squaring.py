@@ -52,14 +52,14 @@ class Squaring:
         homing.until(None)
         if seeker.axis != self.axis:
             seeker.keep(0)
-            homing.way(seeker, seeker.pull_off_steps - homing.gone(seeker, 0), seeker.seek_steps_s)
+            homing.way(seeker, seeker.pull_off_steps - homing.steps_from_edge(seeker, 0), seeker.seek_steps_s)
             return
         self.use_both()
         first = seeker.tripped
         seeker.keep(1 - first)
         ways = [0, 0]
         ways[first] = seeker.pull_off_steps - (self._stood - seeker.edges[first]) * seeker.away
-        ways[1 - first] = seeker.pull_off_steps - homing.gone(seeker, 1 - first)
+        ways[1 - first] = seeker.pull_off_steps - homing.steps_from_edge(seeker, 1 - first)
         ways[1] += self._offset_steps
         seeker.ends[1] = seeker.pull_off_steps + self._offset_steps
         less = min(ways)

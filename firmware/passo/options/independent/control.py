@@ -102,7 +102,7 @@ class Independent(Feature):
                 unpowered |= 1 << axis
         if unpowered != self._unpowered:
             self._unpowered = unpowered
-            self._machine.motors.unpowered(unpowered)
+            self._machine.motors.cut_current(unpowered)
 
     def is_turning(self, axis):
         """Return True while steps of an axis are to come."""
@@ -124,7 +124,7 @@ class Independent(Feature):
             return errors.BUSY
         else:
             self._set_limits()
-        error = machine.barred(command.steps)
+        error = machine.interlock_error(command.steps)
         if error:
             return error
         limited = machine.homed and machine.settings.value(table.SOFT_LIMITS)
@@ -139,11 +139,11 @@ class Independent(Feature):
             if steps and not self._is_reachable(axis, steps, limited):
                 return errors.TRAVEL
         if machine.checking:
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         if not self._queue.room():
             return LATER
         self._start_axes(command, intervals)
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _may_join(self, command):
         """Return True if `command` may come while a RUN is under way."""
@@ -161,7 +161,7 @@ class Independent(Feature):
     def _steps_to_add(self, axis, command):
         """Return the signed steps that a jog adds to the one under way: no more than jog.ahead_ms ahead of the pins."""
         steps = command.steps[axis]
-        ahead = abs(self._queue.target[axis] - self._queue.found()[axis])
+        ahead = abs(self._queue.target[axis] - self._queue.shared_position()[axis])
         if not ahead:
             return steps
         over, ms = command.rates[axis]
@@ -254,7 +254,7 @@ class Independent(Feature):
         self._off = command.unpowered
         if self._command is None and self._off == self._all and self._queue.still():
             self._machine.motors.drives(False)
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _keep_jogs(self, command):
         """Do STILL: keep the jogs in the settings; only at a stand."""
@@ -263,7 +263,7 @@ class Independent(Feature):
             return errors.BUSY
         if command.value:
             machine.settings.keep_jogs(*command.value)
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _set_zero(self, command):
         """Do ZERO: the position becomes 0; only at a stand of a machine that is not homed."""
@@ -277,4 +277,4 @@ class Independent(Feature):
         made = self.steps_made()
         self._queue.set_origin()
         self._from = [-steps for steps in made]
-        return machine.accepted(command)
+        return machine.confirm_command(command)

@@ -50,7 +50,7 @@ class Inputs(Feature):
             return errors.NUMBER_RANGE
         result = machine.gate()
         if result or machine.checking:
-            return result or machine.accepted(command)
+            return result or machine.confirm_command(command)
         self._found = None
         self._was = machine.inputs.input(name)
         self._left_ms = command.feed

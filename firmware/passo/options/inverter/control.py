@@ -89,7 +89,7 @@ class Inverter(SpindleSpeed):
         if way == SPINDLE_OFF or machine.alarm or not self._queue.lit():
             way = hz = 0
         else:
-            hz = min(self.asked_rpm() * self._poles // 1200, 0xFFFF)
+            hz = min(self.target_rpm() * self._poles // 1200, 0xFFFF)
             if not hz:
                 way = 0
                 self.at_speed = True

@@ -28,7 +28,7 @@ import deflate
 from micropython import const
 
 from passo import errors
-from passo.config.journal import sealed
+from passo.config.journal import seal_record
 from passo.memory import WINDOW_BITS, FileRoom, stream
 from passo.options.jobs.config_names import name_fits
 
@@ -48,13 +48,13 @@ class Damaged(Exception):
 
 def first_line(language, size, crc, stored):
     """Return the first line of a file: of a job of `size` bytes with that CRC-32, in `stored` bytes."""
-    return sealed(_MAGIC + ("%s %d %08x %d" % (language, size, crc, stored)).encode())
+    return seal_record(_MAGIC + ("%s %d %08x %d" % (language, size, crc, stored)).encode())
 
 
 def parse_first_line(line):
     """Return (language, bytes, CRC-32, bytes stored) of a file's first line; None if it is no such line, or one of its bytes is wrong."""
     fields = line[len(_MAGIC) :].split()
-    if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line != sealed(line[:-10]):
+    if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line != seal_record(line[:-10]):
         return None
     try:
         head = fields[0].decode(), int(fields[1]), int(fields[2], 16), int(fields[3])

@@ -174,7 +174,7 @@ class Jobs(Feature):
         machine = self._machine
         what = command.value
         if what == commands.JOB_STATE:
-            return machine.accepted(command, self._ended if self._file is None else (self._name, self._per_cent()))
+            return machine.confirm_command(command, self._ended if self._file is None else (self._name, self._per_cent()))
         if what == commands.JOB_RUN:
             return self._run_job(command, command.target or self._config["button"])
         if self._file is not None:
@@ -186,7 +186,7 @@ class Jobs(Feature):
         if error:
             return error
         if what == commands.JOB_LIST:
-            return machine.accepted(command, (self._store.list_jobs(), (self._store.free_bytes(), self._store.more)))
+            return machine.confirm_command(command, (self._store.list_jobs(), (self._store.free_bytes(), self._store.more)))
         if what == commands.JOB_CLOSE:
             self._reading = self._store.open_upload()
             if self._reading is None:
@@ -201,7 +201,7 @@ class Jobs(Feature):
             self._store.delete_job(command.target)
         else:
             return errors.NO_JOB
-        return error or machine.accepted(command)
+        return error or machine.confirm_command(command)
 
     def _begin_upload(self, name, language, size, crc, stored):
         """Begin an upload, if its name, language and size are right. Returns the number of an error, or 0."""
@@ -236,7 +236,7 @@ class Jobs(Feature):
         self._proving = True
         machine.lender = machine.commander
         machine.commander = self._number
-        return 0 if command.link is None else machine.accepted(command)
+        return 0 if command.link is None else machine.confirm_command(command)
 
     def _per_cent(self):
         """Return how much of the file has been read, in per cent."""
@@ -280,7 +280,7 @@ class Jobs(Feature):
         if self._file.crc != proven.crc:
             raise Damaged(errors.JOB_DAMAGED)
         self._announce_job(self._file.crc or 1)
-        self._noted = machine.log.added
+        self._noted = machine.log.count
 
     def _announce_job(self, number):
         """Announce the job to the journal; 0: the last one is done."""
@@ -304,8 +304,8 @@ class Jobs(Feature):
     def _look_at_log(self):
         """Stop the job if the newest entry of the log says that one of its lines was refused."""
         log = self._machine.log
-        if log.added != self._noted:
-            self._noted = log.added
+        if log.count != self._noted:
+            self._noted = log.count
             newest = log.newest()
             if not self._failed and newest[2] == LINK:
                 self._stop_job(newest[1])

@@ -75,7 +75,7 @@ class JobJournal(Feature):
         self._newest = 0  # the block with the newest record
         self._rest_ms = 0  # since when the machine stands
         self._late = False  # the position at this stand is still to be written
-        self._retired = queue.retired()  # blocks, as seen last
+        self._retired = queue.blocks_played()  # blocks, as seen last
         self._moving = False  # by a line of the job
         self._broken = False  # the queue has been dropped amid a line
         self._counted = None  # a CountedJob, see handlers(); None: lines have numbers
@@ -135,7 +135,7 @@ class JobJournal(Feature):
         machine = self._machine
         if command.target is None:
             flags = self._flags & ~HOMED | self._flag_if_homed()
-            return machine.accepted(command, (self._job, self._line, flags, self._position[: self._axes]))
+            return machine.confirm_command(command, (self._job, self._line, flags, self._position[: self._axes]))
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         if not command.target:
@@ -144,8 +144,8 @@ class JobJournal(Feature):
                 self._flags = DONE | self._flag_if_homed()
                 self._sample_position()
                 self._write_record()
-            return machine.accepted(command)
-        self._retired = self._queue.retired()
+            return machine.confirm_command(command)
+        self._retired = self._queue.blocks_played()
         self._broken = self._moving = False
         self._line = self._done = 0
         self._sample_position()
@@ -155,7 +155,7 @@ class JobJournal(Feature):
             while self._erase_next():
                 pass
         self._write_record()
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _begin_job(self, job):
         """Begin a job: its number, or (number, line, flags, lead, position) of one that is counted."""
@@ -212,7 +212,7 @@ class JobJournal(Feature):
         if not still:
             self._sample_line(now_ms)
             return
-        retired = self._queue.retired()
+        retired = self._queue.blocks_played()
         if self._broken:
             self._broken = False
         elif retired != self._retired:
@@ -236,7 +236,7 @@ class JobJournal(Feature):
         if at < 0 or planner.rows[at + ROW_TAG] <= self._done:
             return
         line = planner.rows[at + ROW_TAG]
-        found = list(queue.found())
+        found = list(queue.shared_position())
         queue.retire()
         if at != planner.row():  # another block has begun meanwhile
             return
@@ -250,7 +250,7 @@ class JobJournal(Feature):
 
     def _sample_position(self):
         """Take the position, in steps."""
-        self._position[: self._axes] = list(self._queue.found())
+        self._position[: self._axes] = list(self._queue.shared_position())
 
     def _note_stand(self, count):
         """Note that `count` blocks have been played to a stand: if the last that moved is of the job, its line is done."""

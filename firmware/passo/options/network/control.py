@@ -86,4 +86,4 @@ class Admission(Feature):
         if not 0 <= command.value <= _MOST_MINUTES:
             return errors.SETTING_RANGE
         self._admit_for(command.value)
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)

@@ -44,18 +44,18 @@ class DigitalOutputs(Feature):
         if machine.command is not None or code < 64 and self._queue.chords:  # behind the last of them
             return errors.LATER
         if machine.checking:
-            return machine.accepted(command)
+            return machine.confirm_command(command)
         on = code in (62, 64)
         if code >= 64:
             self._put_output(name, on)
         elif not self._replace_waiting(name, on):
             if len(self._waiting) >= SWITCH_MOST:  # for motions that are queued
                 return errors.LATER
-            block = self._queue.added()
+            block = self._queue.blocks_queued()
             self._waiting.append([block, name, on])
             if self._marks:
                 self._marks.ask_change(block, self._mark_value(name, on))
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _replace_waiting(self, name, on):
         """Return True, and let `on` count, if a change of this output waits for the same motion. So no more changes wait for it than there are
@@ -63,7 +63,7 @@ class DigitalOutputs(Feature):
         waiting = self._waiting
         for index in range(len(waiting)):
             item = waiting[index]
-            if item[1] == name and self._next_motion(item[0]) == self._queue.added():
+            if item[1] == name and self._next_motion(item[0]) == self._queue.blocks_queued():
                 item[2] = on
                 if self._marks:
                     self._marks.amend_change(len(waiting) - index, self._mark_value(name, on))
@@ -105,15 +105,15 @@ class DigitalOutputs(Feature):
         """Return the number of the first block from `count` on that moves."""
         queue = self._queue
         planner = queue.planner
-        while count != queue.added() and planner.rows[count % QUEUE_SIZE * planner.scratch[SCRATCH_STRIDE] + ROW_KIND] == KIND_WAIT:
+        while count != queue.blocks_queued() and planner.rows[count % QUEUE_SIZE * planner.scratch[SCRATCH_STRIDE] + ROW_KIND] == KIND_WAIT:
             count = (count + 1) & COUNT_MASK
         return count
 
     def _has_begun(self, count):
         """Return True if block number `count` has been queued, and those before it have been played."""
         queue = self._queue
-        ready = (queue.retired() - count) & COUNT_MASK < COUNT_HALF
-        return ready and queue.added() != count and (queue.retired() != count or not queue.silent())
+        ready = (queue.blocks_played() - count) & COUNT_MASK < COUNT_HALF
+        return ready and queue.blocks_queued() != count and (queue.blocks_played() != count or not queue.silent())
 
     # --- stops
 
@@ -140,7 +140,7 @@ class DigitalOutputs(Feature):
     def _drop_last(self):
         """Forget the changes that wait for a motion that is not queued yet."""
         waiting, count = self._waiting, 0
-        while count < len(waiting) and self._next_motion(waiting[-1 - count][0]) == self._queue.added():
+        while count < len(waiting) and self._next_motion(waiting[-1 - count][0]) == self._queue.blocks_queued():
             count += 1
         if count:
             if self._marks:

@@ -2,7 +2,7 @@
 
     switches = Switches(feeder, player, machine)
     port.switching.show_switches(switches)      # a part of the port
-    switches.ask_change(queue.added(), 17 << 1 | 1) # pin 17 high as the next block begins that moves
+    switches.ask_change(queue.blocks_queued(), 17 << 1 | 1)  # pin 17 high as the next block begins that moves
     switches.take_shown()                       # how many have been shown since
 
 The main loop asks; start(), which the port puts in the place of player.start(), finds the word of each; the port shows it as that word begins:

@@ -141,7 +141,7 @@ class StepProgramOrders(Feature):
         self.program.expect_more(True)
         self._origin = self._queue.target[:]
         self._command = command
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _add_items(self, command):
         """Add the items in `target`. Returns the number of an error, LATER, or 0."""
@@ -164,7 +164,7 @@ class StepProgramOrders(Feature):
                 return errors.TRAVEL
             if not self.owns_axes():
                 self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _append_item(self, item):
         """Add an item of commands.STEPS_… to the program. Returns False for a run, or if there is no room."""
@@ -226,7 +226,7 @@ class StepProgramOrders(Feature):
         if self._streaming and not self.owns_axes():
             self._streaming = False
             self._tell_end("end")
-        return self._machine.accepted(command, self.program.total)
+        return self._machine.confirm_command(command, self.program.total)
 
     def _abort_program(self, command):
         """Forget a stored program, stop a streamed one: its rest makes no sense. Returns the error."""
@@ -295,7 +295,7 @@ class StepProgramOrders(Feature):
         if not (self._mode == RUN and backward == self._backward and most == self._most and not self._is_pausing()):
             self._asked = False
             self._at_stand(lambda: self._go_on(backward, most))
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _go_on(self, backward, most):
         """Forget the manual moves, and walk the program."""
@@ -321,7 +321,7 @@ class StepProgramOrders(Feature):
         backward = command.tool
         self._command = command
         self._at_stand(lambda: self._go_back(backward))
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _go_back(self, backward):
         """Walk the manual moves backward."""
@@ -344,7 +344,7 @@ class StepProgramOrders(Feature):
         position = [at + by for at, by in zip(queue.target, command.target)]
         if machine.homed and machine.settings.value(table.SOFT_LIMITS) and not queue.inside(position):
             return errors.JOG_TRAVEL
-        refusal = machine.barred(command.target)
+        refusal = machine.interlock_error(command.target)
         if refusal:
             return refusal
         for axis in range(len(command.target)):
@@ -354,7 +354,7 @@ class StepProgramOrders(Feature):
         queue.lead(position)
         if self._mode == IDLE:
             self._at_stand(self._walk_by_hand)
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _walk_by_hand(self):
         """Walk the manual moves."""
@@ -372,7 +372,7 @@ class StepProgramOrders(Feature):
         else:
             self._hand_tool = command.tool and not self._dry_run
             self._queue.rest(self._hand_tool)
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _set_pace(self, command):
         """Do STEPS_PACE: `feed` mm/min, up to the next speed of the program. It ends the wait for the operator's speed."""
@@ -385,7 +385,7 @@ class StepProgramOrders(Feature):
             self.program.correct_speed(self._walker.cell, speed)
             if not self._has_moved_by_hand():
                 self._at_stand(self._start_walk)
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)
 
     def _set_passes(self, command):
         """Do STEPS_PASSES: `power` passes. Returns the number of an error, or 0."""
@@ -394,4 +394,4 @@ class StepProgramOrders(Feature):
         if (self._streaming or self.program.start) and command.power > 1:
             return errors.NO_STEP_PROGRAM
         self._passes = command.power
-        return self._machine.accepted(command)
+        return self._machine.confirm_command(command)

@@ -42,7 +42,7 @@ class Tachometer(SpindleSpeed):
         if machine.spindle == SPINDLE_OFF or machine.alarm or not self._queue.lit():
             wanted = 0
         else:
-            wanted = self.asked_rpm() if self._by_s else machine.settings.value(table.MAX_RPM)
+            wanted = self.target_rpm() if self._by_s else machine.settings.value(table.MAX_RPM)
             if not wanted:
                 self.at_speed = True
         if wanted != self._wanted:

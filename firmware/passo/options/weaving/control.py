@@ -35,14 +35,14 @@ class Weaving(Program):
         if command.value is not None and weave.is_out_of_range(command.value):
             return errors.NUMBER_RANGE
         self._spec = command.value
-        return machine.accepted(command)
+        return machine.confirm_command(command)
 
     def _do_seam(self, command):
         """Do SEAM: one seam, from rest. Returns the number of an error, or 0."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
-        if not self._queue.still() or machine.command is not None or machine.occupied():
+        if not self._queue.still() or machine.command is not None or machine.axes_are_owned():
             return errors.BUSY
         if weave.is_out_of_range(command.value):
             return errors.NUMBER_RANGE

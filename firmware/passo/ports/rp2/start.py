@@ -54,9 +54,9 @@ class Start(start.Start):
         if self._code:
             self._code.borrow(self.rooms[0][1])
         for _, language in getattr(board.get("additions"), "file_links", ()):
-            from passo.memory import FILE_BYTES, spent
+            from passo.memory import FILE_BYTES, empty_stream
 
-            self.rooms += [("d", spent(0)), ("b", bytearray(FILE_BYTES))]
+            self.rooms += [("d", empty_stream(0)), ("b", bytearray(FILE_BYTES))]
             languages.append(language)
         self.rooms += [("b", bytearray(LINES_BYTES)) for language in languages if language == "grbl"]
 

@@ -68,7 +68,7 @@ class Grbl:
         self.prepare, self.drop_begun, self.space = lines.make_buffer, lines.drop_begun, lines.free_bytes
         self._taker = self._arrays = None  # the batch's, and take_lines()' arguments
         asked = Command(commands.STATUS)  # the command of `?`, used again and again
-        asked.accepted = Event(ACCEPTED, asked)
+        asked.reply = Event(ACCEPTED, asked)
         self._asked = (asked,)
         self._real_time = False  # take_batch() has found real-time bytes in the data that feed() gets next
         self._marked = False  # lines that are kept may have marks of real-time bytes

@@ -47,9 +47,9 @@ class Page:
         self._asked_ms = 0
         self._lease_of = 0  # number of the page that holds the jog
         self._status = Command(STATUS)
-        self._status.accepted = Event(ACCEPTED, self._status)
+        self._status.reply = Event(ACCEPTED, self._status)
         self._hello = Command(HELLO)
-        self._hello.accepted = Event(ACCEPTED, self._hello)
+        self._hello.reply = Event(ACCEPTED, self._hello)
         self._jobs = None
         self._machine = machine_of(self.tell)
         self._orders = Orders(self._machine)
