@@ -133,7 +133,7 @@ def _count_idle():
             machine.app.poll()
             machine.app.rest()
         found.append(passed.count_passed())
-    return max(set(found), key=found.count_passed)
+    return max(set(found), key=found.count)
 
 
 def _count_homing():

@@ -37,7 +37,7 @@ class _Slots(FileSlots):
         try:
             FileSlots.write(self, slot, data)
         except OSError as error:
-            print(_("cannot write {}: {}", self._name(slot), reason(error)), file=sys.stderr, flush=True)
+            print(_("cannot write {}: {}", self._slot_path(slot), reason(error)), file=sys.stderr, flush=True)
             raise
 
 

@@ -85,11 +85,11 @@ def check_the_other_link_moves_nothing(lines):
     """A line of the link that may not command changes no pin, setting, offset or mode."""
     two = Two(commands="draw")
     two.controller.machine.alarm = 0
-    before = two.controller.machine.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")
+    before = two.controller.machine.settings._dump_lines(), two.machine.ask("$#"), two.machine.ask("$G")
     for line in lines:
         assert two.line(LINES[line]) == "error:%d" % errors.COMMANDED_ELSEWHERE
         assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
-    assert (two.controller.machine.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")) == before
+    assert (two.controller.machine.settings._dump_lines(), two.machine.ask("$#"), two.machine.ask("$G")) == before
     assert two.machine.world.steps == 0 and two.controller.state == "idle"
     for byte in (b"~", b"\x91", b"\x9e", b"\xa0"):
         entries = len(two.controller.machine.log.entries)

@@ -154,7 +154,7 @@ def test_axes_that_turn_for_ever():
 def test_no_step_program_reaches_a_wide_integer(items, backward):
     rig = small_rig("step_dir")
     path = step_program.StepProgram(3, 64)
-    path.clear(1)
+    path.clear_items(1)
     for item in items:
         path.append(Small(item))
     lengths = SmallList("i", [0] + [0x3FC00000] * 7)

@@ -14,19 +14,19 @@ FAR_MM = 300
 _PIECE = 80  # steps of the axes, 1 mm
 
 
-def motors(axes, into):
+def to_motors(axes, into):
     x, y = axes[0] + POLE_MM * STEPS_MM, axes[1]
     into[0] = round(hypot(x, y)) - POLE_MM * STEPS_MM
     into[1] = round(atan2(y, x) / (2 * pi) * TURN_STEPS)
 
 
-def axes(motors, into):
+def to_axes(motors, into):
     far, angle = motors[0] + POLE_MM * STEPS_MM, motors[1] * 2 * pi / TURN_STEPS
     into[0] = round(far * cos(angle)) - POLE_MM * STEPS_MM
     into[1] = round(far * sin(angle))
 
 
-def limits(limits):
+def motor_limits(limits):
     """A turn counts as the way of the farthest place."""
     per_m = round(TURN_STEPS / (2 * pi * FAR_MM / 1000))
     return Limits([limits.steps_per_m[0], per_m], limits.speeds, limits.accelerations, limits.junction_deviation, 0, limits.jerk)

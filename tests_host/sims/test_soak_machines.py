@@ -31,7 +31,7 @@ def test_some_seconds(name, life, rounds, show):
 
 def test_lives_are_one_table_in_their_order(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(soak, "ROUNDS", {"plotter": 2, "pulses": 2})
-    monkeypatch.setattr(soak.workers, "done", lambda work, items, count, cluster: ((item, work(item)) for item in reversed(items)))
+    monkeypatch.setattr(soak.workers, "run_items", lambda work, items, count, cluster: ((item, work(item)) for item in reversed(items)))
     table = tmp_path / "lives.csv"
     assert soak.main(["--lives", "3", "--seed", "2", "--machine", "plotter", "--machine", "pulses", "--table", str(table)]) == 0
     rows = [line.split(",") for line in table.read_text().splitlines()]
@@ -39,7 +39,7 @@ def test_lives_are_one_table_in_their_order(tmp_path, monkeypatch, capsys):
     assert [row[:3] for row in rows[1:]] == [["plotter", "20000", "2"], ["pulses", "20001", "2"], ["plotter", "20002", "2"]]
     assert all(int(row[3]) > 0 and row[-1] == "" for row in rows[1:])
     assert int(rows[1][3]) == soak.live("plotter", 20000).steps
-    monkeypatch.setattr(soak.workers, "done", lambda work, items, count, cluster: ((item, soak.workers.DIED if item[1] == 20001 else work(item)) for item in items))
+    monkeypatch.setattr(soak.workers, "run_items", lambda work, items, count, cluster: ((item, soak.workers.DIED if item[1] == 20001 else work(item)) for item in items))
     monkeypatch.setattr(Plotter, "round", lambda self: 1 / 0)
     assert soak.main(["--lives", "2", "--seed", "2", "--machine", "plotter", "--machine", "pulses", "--table", str(table)]) == 1
     assert "VIOLATION: plotter, life 20000" in table.read_text() and "died 3 times" in table.read_text()

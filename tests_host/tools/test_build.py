@@ -319,7 +319,7 @@ def test_the_page_of_a_board_is_small(tmp_path):
     names = [name for name, _, _ in pages.pack_files(board, tmp_path)]
     files = Folder(f"{tmp_path}/")
     for name, wanted in pages.texts_of(board).items():
-        _, _, path, start, size = files.find(b"/" + name.encode())
+        _, _, path, start, size = files.find_file(b"/" + name.encode())
         with open(path, "rb") as file:
             file.seek(start)
             text = gzip.decompress(file.read(size))

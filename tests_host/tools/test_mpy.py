@@ -111,7 +111,7 @@ def test_texts_are_where_they_are_said_to_be(modules):
         if not head:
             continue
         found = mpy.functions_of(data)
-        known = {number: data[found.machine_names + at : found.machine_names + at + length + 1] for number, at, length in found.texts}
+        known = {number: data[found.names + at : found.names + at + length + 1] for number, at, length in found.texts}
         for place, block, number in texts:
             text = known[number]
             assert text.endswith(b"\0") and bytes_at(placed, block, place, len(text)) == text, path

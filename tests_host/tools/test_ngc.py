@@ -457,7 +457,7 @@ def test_random_programs():
     motions = nested = 0
     for seed in range(200):
         writer = Writer(seed)
-        text = writer.gcode_text()
+        text = writer.text()
         expected = [place for place in writer.run()]
         kept = [expected[0]] + [place for before, place in zip(expected, expected[1:]) if math.dist(before, place) > 1.5e-5]
         listing = compiled(text, bound=2_000_000, start=(None, None, None))

@@ -22,4 +22,4 @@ def test_a_drawing_of_packets(name):
     assert board_words.draw_packets(app, port, JOBS[name]) == 0
     board_words.run_until_still(app)
     sink = digest(board, io.BytesIO(b"".join(JOBS[name])))
-    assert (port.digest(), port.count) == (sink.hexdigest(), sink.add_words) and sink.stepping
+    assert (port.digest(), port.count) == (sink.hexdigest(), sink.words) and sink.stepping

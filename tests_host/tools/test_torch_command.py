@@ -104,8 +104,8 @@ class OldBoard:
     def write(self, data):
         if data[0] == 0x77:
             return
-        self._cutter.put(data, 0)
-        while frame := self._cutter.next():
+        self._cutter.put_bytes(data, 0)
+        while frame := self._cutter.next_frame():
             self.heard.append(frame)
             if frame[0] in (0xDD, 0xBB):
                 self._said += torch.answer("STOP" if frame[0] == 0xDD else "INFO", *self._counts.pop(0))

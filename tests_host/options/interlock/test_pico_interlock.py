@@ -166,7 +166,7 @@ print(gc.mem_alloc() - before, port._trip is not None, list(interlock.trips), fe
 @pytest.mark.xdist_group("interlock")
 def test_nothing_is_allocated_in_the_interrupt(guarded):
     """Changes that forbid amid a line, with the heap locked; outputs go off, the player stops, the position is known."""
-    guarded.clear()
+    guarded.clear_edges()
     said = guarded.pico.exec(LOCKED).split(" ", 2)
     assert said[:2] == ["0", "True"], said
     trips, position = eval(said[2].replace("] [", "], ["))

@@ -137,15 +137,15 @@ def full(system, store_class, device, image):
     device.data[:] = image
     vfs.mount(system(device), "/flash")
     jobs = opened(store_class)
-    before = jobs.free()
+    before = jobs.free_bytes()
     for name in ("A", "C"):
         jobs.begin(name, "grbl", 10, 0, 1 << 20)
         try:
             while True:
-                jobs.add(bytes(500))
+                jobs.add_data(bytes(500))
         except OSError:
-            jobs.abort()
-        assert names(jobs) == ["A", "B"] and jobs.free() == before, (names(jobs), jobs.free(), before)
+            jobs.abort_upload()
+        assert names(jobs) == ["A", "B"] and jobs.free_bytes() == before, (names(jobs), jobs.free_bytes(), before)
         assert read(jobs.open("A")) == OLD and read(jobs.open("B")) == OTHER
     vfs.umount("/flash")
 
