@@ -36,7 +36,7 @@ def load_safe_board():
     return BOARD
 
 
-if image and image.chosen():
+if image and image.choose_package():
     STAMP, WHOLE = image.STAMP, image.whole()
 else:
     STAMP = stamp_of("passo/stamp.txt")
@@ -91,10 +91,10 @@ def main():
     global BOARD
     start = Start(by_options(BOARD))
     start.history()
-    if BOARD is None or not start.wanted():
+    if BOARD is None or not start.ready():
         return
     app = port = error = None
-    start.loading()
+    start.begin_loading()
     try:
         board = check_board(BOARD)
         BOARD = None
@@ -108,7 +108,7 @@ def main():
         start.load(board)
         import_all(board)
 
-        said = start.loaded()
+        said = start.finish_loading()
         port = start.port(board)
         lines = getattr(board.get("additions"), "lines", None)
         app = App(board, port, None, FileSlots("settings"), start.rooms)

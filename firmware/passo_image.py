@@ -1,7 +1,7 @@
 """Frozen into Passo's UF2 beside the package: its contents, the check that all of it is in the flash, and the choice of the package to run.
 
     passo_image.whole()         # False: the UF2 was not copied to its end, or the flash has lost a bit
-    passo_image.chosen()        # True: the frozen package; False: the one on the file system, which `passo flash --source` laid there
+    passo_image.choose_package()        # True: the frozen package; False: the one on the file system, which `passo flash --source` laid there
 
 The page of the flash before the file system has the length of the image, and the sum over its words.
 """
@@ -41,7 +41,7 @@ def text_of(path):
         return ""
 
 
-def chosen():
+def choose_package():
     """Sets where modules are looked for. Says so if there is another package on the file system."""
     if STAMP is None:
         return False  # not built: this is the source

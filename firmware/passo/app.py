@@ -183,7 +183,7 @@ class App:
         self._answered_ms = -1
         if self.interrupt:
             self._read_early()
-        tripped = self.port.tripped()
+        tripped = self.port.halting_input()
         if tripped and not self.controller.machine.alarm:
             self.controller.handle_stop(tripped)
         machine = self.controller.machine
@@ -276,7 +276,7 @@ class App:
         if self.interrupt:
             self.port.set_out(live)
             return
-        feeder.fill(self.player.played(), LIVE_TICKS if live else LEAD_TICKS)
+        feeder.fill(self.player.words_played(), LIVE_TICKS if live else LEAD_TICKS)
         self.player.start()
 
     def cycle(self):

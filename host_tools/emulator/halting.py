@@ -23,7 +23,7 @@ controller.machine.awake = True
 while not controller.machine.alarm:
     app.cycle()
     {loop}
-print(feeder.position(player.played()))
+print(feeder.position(player.words_played()))
 """
 _RESUME = """
 from passo.motion.limits import Limits
@@ -36,9 +36,9 @@ planner.flush()
 while port._trip is None:
     port.wait(True)
 feeder.open = False
-stood = feeder.cancel(player.played())
+stood = feeder.cancel(player.words_played())
 sleep_ms(2)
-port.tripped()
+port.halting_input()
 planner.clear()
 rest = [whole - made for whole, made in zip({deltas!r}, stood)]
 planner.line(rest, max(map(abs, rest)) * {each}, False)
@@ -46,7 +46,7 @@ planner.flush()
 feeder.open = True
 while not planner.empty() or player.busy():
     port.wait(True)
-print((stood, max(map(abs, stood)), feeder.position(player.played())))
+print((stood, max(map(abs, stood)), feeder.position(player.words_played())))
 """
 
 

@@ -24,10 +24,10 @@ place = array("i", [0] * {each})
 asked = array("i", [0] * ({each} * {count}))
 def ask():
     begun = ticks_us()
-    position = feeder.position(player.played())
+    position = feeder.position(player.words_played())
     return begun, ticks_us(), position
 def walk():
-    played = player.played()
+    played = player.words_played()
     return (played - marks[find(state, marks, played, place)]) & 0x1FFFFFFF
 def nothing():
     begun = ticks_us()
@@ -38,7 +38,7 @@ gc.collect()
 planner.line({deltas!r}, {ticks}, False)
 planner.flush()
 controller.machine.awake = True
-while player.played() < 500:
+while player.words_played() < 500:
     app.cycle()
 at = turn = 0
 while at < len(asked) and player.busy():

@@ -20,7 +20,7 @@ from passo.machine_builder import make_drive
 from passo.motion.planner import Planner
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring
-from passo.steps.wiring import inverted_pins, word_pins, word_times
+from passo.steps.wiring import inversion_mask, word_pins, word_times
 from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 
 START = """
@@ -69,7 +69,7 @@ while not planner.empty() or player.busy():
     app.cycle()
     {loop}
     turns += 1
-print(feeder.late, turns, feeder.position(player.played()))
+print(feeder.late, turns, feeder.position(player.words_played()))
 """
 FIRST_PIN, ENABLE_PIN = 2, 15
 _LEAD_TICKS = 150_000
@@ -177,7 +177,7 @@ class Rig:
         self._levels = sum((self.pico.pads.state_of(pin) == 1) << bit for bit, pin in enumerate(pins))
 
     def _inversions(self):
-        return inverted_pins(self.board, make_drive(self.board)[0])
+        return inversion_mask(self.board, make_drive(self.board)[0])
 
     def count_steps(self):
         """Count the steps of each axis since the last clear_edges(), signed, as a STEP/DIR driver would: by edges alone."""

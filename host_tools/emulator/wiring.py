@@ -11,7 +11,7 @@ from host_tools.emulator.quadrature import Quadrature
 from host_tools.emulator.shift_registers import Chains
 from passo.machine_builder import make_drive
 from passo.records import REGISTER_BIT
-from passo.steps.wiring import inverted_pins, word_pins
+from passo.steps.wiring import inversion_mask, word_pins
 
 ENCODER_COUNTS_S = 500_000  # within a step
 SETTLE_CYCLES = 9  # edges of one tick at 125 MHz, from wherever they start
@@ -25,7 +25,7 @@ class Wiring:
         self._pico = pico
         self._clock = pico.chip.clock
         self._world = world
-        self._rest = inverted_pins(board, layout)  # levels of pins that nobody drives
+        self._rest = inversion_mask(board, layout)  # levels of pins that nobody drives
         self._levels = self._seen = self._rest
         self._since = None  # tick of the first edge that the world does not know
         self.edge_count = 0

@@ -28,7 +28,7 @@ LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_b
 HOT = (
     "passo.motion.block_viper.plan_block", "passo.motion.look_ahead_viper.plan_lines", "passo.motion.ramp_viper.begin", "passo.motion.ramp_viper.cut",
     "passo.protocols.grbl.lines.buffer_bytes", "passo.protocols.grbl.take_viper.take_lines", "passo.steps.pace_viper.repay",
-    "passo.steps.power.passed", "passo.steps.segments_viper.make",
+    "passo.steps.power.take_marks", "passo.steps.segments_viper.make",
 )  # fmt: skip
 LASER = "passo.steps.dots_viper", "passo.ports.rp2.laser_player"
 STAYING = "calm", "laser"  # modules that run from flash

@@ -22,7 +22,7 @@ try:
     import passo_image as image
 except ImportError:
     image = None
-if not (image and image.chosen()):
+if not (image and image.choose_package()):
     from passo.ports.rp2 import flash_code
 
     flash_code.begin()
@@ -45,7 +45,7 @@ def _check_board(changes, without):
         raw.pop(key, None)
     raw.update(changes)
     start = Start(BOARD)
-    start.loading()
+    start.begin_loading()
     from passo.config.boardfile import check
 
     board = check(raw)
@@ -61,7 +61,7 @@ def _load_app():
 
     start.load(board)
     load_all(board)
-    start.loaded()
+    start.finish_loading()
     return App
 
 
@@ -161,7 +161,7 @@ def halt(lines, witness, other, pin, active, after_ms):
     witness.stop()
     other.stop()
     reached = pin_level(pin) == active
-    where = feeder.position(player.played())
+    where = feeder.position(player.words_played())
     set_pull(pin, not active)
     sleep_ms(1)
     clear_stop()

@@ -47,7 +47,7 @@ class Words:
     def busy(self):
         return False
 
-    def played(self):
+    def words_played(self):
         return self._played
 
     def rest(self, levels):
@@ -83,7 +83,7 @@ class Words:
     def levels(self):
         return 0
 
-    def tripped(self):
+    def halting_input(self):
         return None
 
     def output(self, name, on):

@@ -38,7 +38,7 @@ def memory(proof):
     board.exec(program_text("board_session.py"))
     board.exec("make({'journal': None}, ['inputs', 'homing', 'outputs'])")
     said = board.exec(
-        "from passo.ports.rp2 import clock\nprint(machine.freq(), clock.counted_khz())\nfrom time import ticks_us\nprint(*time_collection())"
+        "from passo.ports.rp2 import clock\nprint(machine.freq(), clock.measure_khz())\nfrom time import ticks_us\nprint(*time_collection())"
     )
     (freq, counted), (took_us, free, piece) = (map(int, line.split()) for line in said.splitlines())
     wanted = proof.raw.get("clock_mhz", 125) * 1000

@@ -34,13 +34,13 @@ class Shape:
 
     def __init__(self, proof, changes):
         from passo.machine_builder import make_drive
-        from passo.steps.wiring import inverted_pins, word_pins, word_times
+        from passo.steps.wiring import inversion_mask, word_pins, word_times
 
         self.board = proof.machine(changes)
         self.layout, _drive, _rest = make_drive(self.board)
         pins = word_pins(self.board)
         self.base, self.width = pins[0], min(len(pins) - 1, WIDEST)
-        self._invert = inverted_pins(self.board, self.layout) & (1 << self.width) - 1
+        self._invert = inversion_mask(self.board, self.layout) & (1 << self.width) - 1
         self.pulse_ticks, self.least_ticks = word_times(self.board)
 
     def levels_seen(self, records):
@@ -80,7 +80,7 @@ def run_on_board(proof, code, *limit_s):
 
 
 def position_of(proof):
-    return [int(each) for each in proof.board.exec("print(*feeder.position(player.played()))").split()]
+    return [int(each) for each in proof.board.exec("print(*feeder.position(player.words_played()))").split()]
 
 
 def play_lines(proof, changes, lines):

@@ -204,7 +204,7 @@ class Replay(Machine):
         row = self.stops[0]
         if list(self._queue.shared_position()) != row.position:
             return False
-        self._feeder.retire(self._player.played())
+        self._feeder.retire(self._player.words_played())
         return self._queue.blocks_played() >= row.value - self._count_offset()
 
     def _count_offset(self):

@@ -107,7 +107,7 @@ class BulkPlayer:
     def busy(self):
         return self._next > self.now or (self._playing and self._played != self._ring.head)
 
-    def played(self):
+    def words_played(self):
         return self._played
 
     def levels(self):

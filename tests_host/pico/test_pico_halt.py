@@ -134,7 +134,7 @@ planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_
 planner.line((60000, 45000, -30000), 7_500_000, False)
 planner.flush()
 controller.machine.awake = True
-while feeder.position(player.played())[0] < 2000:
+while feeder.position(player.words_played())[0] < 2000:
     app.cycle()
 print("hangs")
 while True:
@@ -156,7 +156,7 @@ def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
     assert 170 < stood_ms < 200, "170 ms of patience, 14 of words already made, 12.5 to slow down"
     assert slowing[0] == 1250 and slowing[-1] > 10 * 1250
     assert all(after >= before - 10 for before, after in zip(slowing, slowing[1:])), "slower and slower, but for a tick"
-    assert eval(rig.pico.exec("print(feeder.position(player.played()))")) == rig.count_steps()
+    assert eval(rig.pico.exec("print(feeder.position(player.words_played()))")) == rig.count_steps()
     show("a main loop that hangs", f"the steps end {stood_ms:.0f} ms later, after a ramp")
 
 

@@ -337,7 +337,7 @@ def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
     d.schedule_transfer = let
     let()
     rig.pico.run(5000)
-    assert len([state for _, state in rig.step_edges[0] if state]) == 2 and rig.pico.exec("print(player.played())") == "2\r\n"
+    assert len([state for _, state in rig.step_edges[0] if state]) == 2 and rig.pico.exec("print(player.words_played())") == "2\r\n"
 
 
 def burning(uf2, *fault):

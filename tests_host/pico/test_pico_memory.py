@@ -20,7 +20,7 @@ feeder.open, feeder.hold, feeder.brake = True, False, False
 def locked():
     micropython.heap_lock()
     for turn in range(5000):
-        feeder.fill(player.played(), 150_000)
+        feeder.fill(player.words_played(), 150_000)
         player.start()
         if planner.empty():
             break
@@ -30,7 +30,7 @@ for turn in range(25):  # the motors wake up
     sleep_ms(1)
 before = gc.mem_alloc()
 locked()
-print(gc.mem_alloc() - before, feeder.late, feeder.position(player.played()))
+print(gc.mem_alloc() - before, feeder.late, feeder.position(player.words_played()))
 """
 
 

@@ -78,9 +78,9 @@ class Published:
         play = player._play
 
         def spy(*until):
-            played = player.played()
+            played = player.words_played()
             play(*until)
-            while played != player.played():
+            while played != player.words_played():
                 self.words.append(ring.words[played & ring.mask])
                 played += 1
 
@@ -174,7 +174,7 @@ def check_intervals(words, stall_at, stall_us):
     play = player._play
 
     def spy():
-        seen.append((chip.now, ring.words[player.played() & ring.mask] & 31))
+        seen.append((chip.now, ring.words[player.words_played() & ring.mask] & 31))
         play()
         assert chip.levels() == seen[-1][1] & ~layout.pulse_mask or not player._pulse_us
 
@@ -184,11 +184,11 @@ def check_intervals(words, stall_at, stall_us):
     stalled = False
     while player.busy():
         chip.sleep_ms(1)
-        if not stalled and player.played() >= stall_at:
+        if not stalled and player.words_played() >= stall_at:
             stalled = True
             chip.stall(stall_us)
     assert [levels for _, levels in seen] == [levels for _, levels in words]
-    assert player.played() == len(words) == ring.head
+    assert player.words_played() == len(words) == ring.head
     due = 0
     for i in range(1, len(seen)):
         due += words[i - 1][0]
@@ -214,7 +214,7 @@ def check_pulses_and_polarity():
         assert kept[-1] == 0 and 0b10111 in kept and 0b10100 in kept and 0b00001 in kept
         low = [us for us, levels in chip.edges if us > high[0] and not (levels ^ invert) & 1]
         assert 8 <= low[0] - high[0] <= 12
-        assert player.played() == 3
+        assert player.words_played() == 3
         player.rest(0b10100)
         assert chip.levels() ^ invert == 0b10100
         player.halt()
@@ -232,13 +232,13 @@ def check_stop_hold_and_start():
     player.start()
     chip.sleep_ms(1)
     player.stop()
-    played = player.played()
+    played = player.words_played()
     chip.sleep_ms(5)
-    assert not player.busy() and player.played() <= played + 1
+    assert not player.busy() and player.words_played() <= played + 1
     player.start()
     while player.busy():
         chip.sleep_ms(1)
-    assert player.played() == 10
+    assert player.words_played() == 10
     assert chip.timers[0].callback is None or not player.busy()
 
 
@@ -300,7 +300,8 @@ def check_a_halt_cuts_no_pulse_short(after_us):
                 rises[bit] = us
             elif not levels & bit and bit in rises:
                 widths.append(us - rises.pop(bit))
-    assert not rises and 0 < player.played() < 40 and len(widths) == player.played() + player.played() // 2 + player.played() % 2, (rises, player.played(), widths)
+    played = player.words_played()
+    assert not rises and 0 < played < 40 and len(widths) == played + played // 2 + played % 2, (rises, played, widths)
     assert min(widths) >= 20
 
 
@@ -476,10 +477,10 @@ def check_the_start_is_safe():
     fake_esp32.start.Start(data)
     assert chip.level[13] == 1 and chip.level[26] == 0
     chip.level[0] = 0
-    assert not fake_esp32.start.Start(data).wanted()
+    assert not fake_esp32.start.Start(data).ready()
     chip.level[0] = 1
     begin = fake_esp32.start.Start(data)
-    assert begin.wanted()
+    assert begin.ready()
     assert isinstance(begin.port(check(BOARD)), fake_esp32.port.Port)
     fake_esp32.start.Start(None)
 

@@ -249,18 +249,18 @@ def check_a_board_that_stood_still_misses_nobody():
     machine = machine_with("stop")
     begin(machine, "G1X40F200\n")
     port = machine.port
-    tripped = port.tripped
+    tripped = port.halting_input
 
     def stall():
-        port.tripped = tripped
+        port.halting_input = tripped
         port.advance((LOST_MS + 200) * TICKS_PER_MS)
         machine.put("?")
         return tripped()
 
     for _ in range(3):
-        port.tripped = stall  # called behind the links and before the watch
+        port.halting_input = stall  # called behind the links and before the watch
         run_ms(machine, 50)
-        assert port.tripped is not stall and machine.controller.state == "run"
+        assert port.halting_input is not stall and machine.controller.state == "run"
         run_ms(machine, 3 * LOST_MS + 200, (100, "?"))
     run_ms(machine, LOST_MS + 100)
     assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST

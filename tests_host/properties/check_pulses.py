@@ -401,7 +401,7 @@ def check_no_words_before_the_motors_are_ready():
         walk(walker)
         made = app.ring.head
         if app.feeder.open:
-            app.feeder.fill(app.player.played(), 150_000)
+            app.feeder.fill(app.player.words_played(), 150_000)
         if app.ring.head != made and not app.controller.may_feed():
             early.append(app.ring.head - made)
 

@@ -9,7 +9,7 @@ from math import sqrt
 from check_hold import LEAD_TICKS, hold_at_random, override_at_random
 from draws import Random
 from passo.motion.limits import Limits
-from passo.motion.s_curve_block import cube_root, quotient, ratio, scaled
+from passo.motion.s_curve_block import cube_root, quotient, ratio, scale
 from passo.records import KIND_ARC, KIND_LINE
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of
@@ -244,8 +244,8 @@ def check_a_hold_stands(seed, part):
 
 
 def check_numbers(value, by, bits):
-    assert scaled(value, bits) == min(value << bits, 0x3FFFFFFF)
-    assert scaled(value, -bits) == value >> bits
+    assert scale(value, bits) == min(value << bits, 0x3FFFFFFF)
+    assert scale(value, -bits) == value >> bits
     exact = min((value << bits) // by, 0x3FFFFFFF)
     assert abs(quotient(value, by, bits) - exact) <= 1 + (exact >> 9) + (((1 << bits) - 1) if by >= 0x200000 else 0)
     assert abs(ratio(value, by) - value * 16384 // (value + by)) <= 4

@@ -8,7 +8,7 @@ from passo.config.boardfile import check
 from passo.config.journal import Journal, MemorySlots
 from passo.config.setting_numbers import longest_pulse_us
 from passo.config.settings import MASKS, Settings
-from passo.steps.wiring import inverted_pins
+from passo.steps.wiring import inversion_mask
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 from draws import Random
 
@@ -230,7 +230,7 @@ def wired(board, settings):
     limits and probe, axes that home low), each from its own source.
     """
     layout = Layout("step_dir", 3, 6, [], 7)
-    pins = inverted_pins(board, layout)
+    pins = inversion_mask(board, layout)
     named = {}
     for item in board["inputs"] + board["outputs"]:
         named[item["name"]] = item["active"]

@@ -52,7 +52,7 @@ class Chip(VirtualPort):
         return True
 
     def set_out(self, live):
-        if self._player.played() == self._feeder.ring.head:
+        if self._player.words_played() == self._feeder.ring.head:
             self._feed()
 
     def wait(self, busy, fine=False, at_once=False):
@@ -70,7 +70,7 @@ class Chip(VirtualPort):
             self.advance(min(end, self._due) - self.now)
 
     def _feed(self):
-        self._feeder.fill(self._player.played(), LEAD_TICKS)
+        self._feeder.fill(self._player.words_played(), LEAD_TICKS)
         self._player.start()
 
 

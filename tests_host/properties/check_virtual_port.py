@@ -105,7 +105,7 @@ def check_edges_do_not_depend_on_the_turns(seed):
     while bench.player.busy():
         bench.port.advance(random.between(1, 300))
     assert bench.world.seen == edges, (bench.world.seen, edges)
-    assert bench.player.played() == len(words)
+    assert bench.player.words_played() == len(words)
     assert bench.port.now >= end
 
 
@@ -125,16 +125,16 @@ def check_halt_anywhere(seed, at):
         before.append((at, levels & ~TOOL))
     if levels & 3:  # the pulse lasts as long as it should
         before.append(([edge for edge in edges if edge[0] >= at][0][0], levels & ~(3 | TOOL)))
-    assert bench.player.played() == len([start for start in starts if start < at])
+    assert bench.player.words_played() == len([start for start in starts if start < at])
     assert not bench.player.busy()
     bench.port.advance(5000)
     assert bench.world.seen == before, (bench.world.seen, before)
     # The words left are played after start(), from then on.
-    left = words[bench.player.played() :]
+    left = words[bench.player.words_played() :]
     bench.player.start()
     assert bench.player.busy() == bool(left)
     bench.port.advance(20000)
-    assert bench.player.played() == len(words) and not bench.player.busy()
+    assert bench.player.words_played() == len(words) and not bench.player.busy()
 
 
 def check_stop_lets_the_word_end():
@@ -143,10 +143,10 @@ def check_stop_lets_the_word_end():
     bench.player.start()
     bench.port.advance(10)
     bench.player.stop()
-    assert bench.player.busy() and bench.player.played() == 1
+    assert bench.player.busy() and bench.player.words_played() == 1
     bench.port.advance(300)
     assert bench.world.seen == [(0, X_STEP | TOOL), (25, TOOL)]
-    assert not bench.player.busy() and bench.player.played() == 1
+    assert not bench.player.busy() and bench.player.words_played() == 1
 
 
 def check_world_may_stop_and_halt_inside_an_edge():
@@ -163,7 +163,7 @@ def check_world_may_stop_and_halt_inside_an_edge():
         bench.player.start()
         bench.port.advance(300)
         assert bench.world.seen == seen, (name, bench.world.seen)
-        assert bench.player.played() == 1 and not bench.player.busy()
+        assert bench.player.words_played() == 1 and not bench.player.busy()
 
 
 def check_words_that_come_late_start_when_they_come():
@@ -314,4 +314,4 @@ def check_a_board_with_nothing_wired():
     player.start()
     port.wait(True)
     port.output("enable", True)
-    assert player.played() == 1 and player.levels() == 0 and port.input("door")
+    assert player.words_played() == 1 and player.levels() == 0 and port.input("door")

@@ -96,7 +96,7 @@ class Sink:
     def busy(self):
         return False
 
-    def played(self):
+    def words_played(self):
         return self._played
 
     def rest(self, levels):
@@ -132,7 +132,7 @@ class Sink:
     def levels(self):
         return 0
 
-    def tripped(self):
+    def halting_input(self):
         return None
 
     def output(self, name, on):

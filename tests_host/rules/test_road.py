@@ -57,7 +57,7 @@ CYCLE = {
     "ports/virtual.py VirtualPort.input",
     "ports/virtual.py VirtualPort.levels",
     "ports/virtual.py VirtualPort.machine_ms",
-    "ports/virtual.py VirtualPort.tripped",
+    "ports/virtual.py VirtualPort.halting_input",
     "protocols/grbl/protocol.py Grbl.pending",
 }
 # The further work of a cycle while the machine is awake.

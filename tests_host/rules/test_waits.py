@@ -85,7 +85,7 @@ def test_channels_that_never_stop_are_given_up(player, name):
     assert state[PIO_STUCK]
 
 
-@pytest.mark.parametrize("name, more", [("_count", ()), ("_played", ()), ("_halt", ()), ("_stop", ()), ("_busy", (5,)),
+@pytest.mark.parametrize("name, more", [("_count", ()), ("_words_played", ()), ("_halt", ()), ("_stop", ()), ("_busy", (5,)),
                                         ("_rest", (0,))])  # fmt: skip
 def test_a_place_that_never_settles_is_given_up(player, name, more):
     module, state = player({**NEVER_THE_SAME, ABORT: lambda: 0})

@@ -151,7 +151,7 @@ def watchdog():
     for at_ms in range(0, FREEZE_MS, FEED_MS):
         app.feeder.brake = at_ms > HEARTBEAT_MS
         if app.feeder.open:
-            app.feeder.fill(app.player.played(), LEAD_TICKS)
+            app.feeder.fill(app.player.words_played(), LEAD_TICKS)
             app.player.start()
         port.advance(FEED_MS * TICKS_PER_MS)
     box = app.controller.features["links"]

@@ -18,7 +18,7 @@ def drops_with_interrupts(machine):
             if event == "line":
                 counts[-1] += 1
                 sys.settrace(None)
-                app.feeder.fill(app.player.played(), 100 * TICKS_PER_MS)
+                app.feeder.fill(app.player.words_played(), 100 * TICKS_PER_MS)
                 app.player.start()
                 sys.settrace(interrupt)
             return interrupt

@@ -61,7 +61,7 @@ class Interrupts:
 
     def _interrupt(self):
         app = self._machine.app
-        app.feeder.fill(app.player.played(), self._chance.choice((2, 20, 100)) * TICKS_PER_MS)
+        app.feeder.fill(app.player.words_played(), self._chance.choice((2, 20, 100)) * TICKS_PER_MS)
         app.player.start()
 
 

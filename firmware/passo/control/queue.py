@@ -40,12 +40,12 @@ class Queue:
 
     def shared_position(self, edge=None):
         """The same in an array that is good until something asks the feeder again."""
-        return self._from_origin(self._feeder.shared_position(self._player.played(), edge))
+        return self._from_origin(self._feeder.shared_position(self._player.words_played(), edge))
 
     def look(self, played=None):
         """Read the machine's position and state at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
         if played is None:
-            played = self._player.played()
+            played = self._player.words_played()
         seen = self.seen
         self._feeder.look(played, self._origin, self.here, seen)
         if self.chords:
@@ -61,7 +61,7 @@ class Queue:
 
     def set_origin(self, axes=-1):
         """Make this position machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
-        found = self._feeder.shared_position(self._player.played())
+        found = self._feeder.shared_position(self._player.words_played())
         for axis in range(len(found)):
             if axes >> axis & 1:
                 self._origin[axis] = found[axis]
@@ -99,7 +99,7 @@ class Queue:
         feeder = self._feeder
         fed = feeder.open
         feeder.open = False  # an interrupt that feeds leaves it alone meanwhile
-        feeder.retire(self._player.played())
+        feeder.retire(self._player.words_played())
         feeder.open = fed
 
     def blocks_played(self):
@@ -196,7 +196,7 @@ class Queue:
 
     def axis(self, axis, edge=None):
         """Return the position of an axis, now or at the moment of `edge`, a Latch, in steps from the place where the machine was switched on."""
-        return self._feeder.shared_position(self._player.played(), edge)[axis]
+        return self._feeder.shared_position(self._player.words_played(), edge)[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""
@@ -213,11 +213,11 @@ class Queue:
 
     def index(self):
         """The index in the step program under way, exact at this moment; None if there is none."""
-        return self._feeder.index(self._player.played())
+        return self._feeder.index(self._player.words_played())
 
     def spot(self):
         """(index in the step program under way or None, position), of one moment; the position as of shared_position()."""
-        index, found = self._feeder.spot(self._player.played())
+        index, found = self._feeder.spot(self._player.words_played())
         return index, self._from_origin(found)
 
     def take_walker(self, walker):
@@ -241,16 +241,16 @@ class Queue:
         self._feeder.open = False
         self._player.halt()
         self._rested = False
-        self._rested_at = self._player.played()
+        self._rested_at = self._player.words_played()
         self.power(0)
-        self._feeder.retire(self._player.played())
+        self._feeder.retire(self._player.words_played())
 
     def drop(self):
         """Drop everything, after halt() or at the stand of a hold. The position stays exact. The feeder makes no words until the app finds
         the motors ready: an interrupt that feeds would begin the planner's blocks anew.
         """
         self._feeder.open = False
-        position = self._feeder.cancel(self._player.played())
+        position = self._feeder.cancel(self._player.words_played())
         self._planner.clear()
         self.chords = None
         if self._walker is not None:
@@ -275,7 +275,7 @@ class Queue:
 
     def _shine(self, on):
         """At a stand: the power of the last mark, or none until the next."""
-        self.analogue.show(self._player.played(), on)
+        self.analogue.show(self._player.words_played(), on)
         self.power(self.analogue.level)
 
     def lend(self):
@@ -287,7 +287,7 @@ class Queue:
 
     def lit(self):
         """True while the tool's bit is on at the pins."""
-        played = self._player.played()
+        played = self._player.words_played()
         if self._rested is not None and self._rested_at == played:
             return self._rested
         ring = self._feeder.ring
@@ -296,13 +296,13 @@ class Queue:
     def pins(self, tool):
         """The pins as the last word has left them, no step's pulse among them, and the tool on or off."""
         layout, ring = self._feeder.layout, self._feeder.ring
-        levels = ring.words[(self._player.played() - 1) & ring.mask] & layout.levels_mask
+        levels = ring.words[(self._player.words_played() - 1) & ring.mask] & layout.levels_mask
         return levels & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if tool else 0)
 
     def rest(self, tool):
         """Tool on or off while the machine stands and nothing plays."""
         self._rested = tool
-        self._rested_at = self._player.played()
+        self._rested_at = self._player.words_played()
         self._player.rest(self.pins(tool))
         if tool:
             self.restore_power()

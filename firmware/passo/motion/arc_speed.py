@@ -11,7 +11,7 @@ from passo.motion.cordic import TURN
 from passo.motion.integers import isqrt
 from passo.motion.look_ahead_viper import corner
 from passo.motion.block_viper import plan_block
-from passo.motion.limits import BIAS, MOST, ONE, TOP, floated
+from passo.motion.limits import BIAS, MOST, ONE, TOP, short_float
 from passo.records import (
     ARC_TAIL_A, ARC_TAIL_B, NM_PER_M, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, TICKS_PER_S, SCRATCH_ALONG, SCRATCH_BEFORE,
     SCRATCH_ARC_TOP, SCRATCH_FEED, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_STEPS, SCRATCH_STEPS_SHIFT,
@@ -31,7 +31,7 @@ def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, delta
     start = -center[0], -center[1]
     end = deltas[plane[0]] - center[0], deltas[plane[1]] - center[1]
     reach = shares(start, end, swept)
-    fastest, acceleration = _allowed(limits, plan, plane, center, reach, (flat, rise, length), speed_nm_s)
+    fastest, acceleration = _arc_limits(limits, plan, plane, center, reach, (flat, rise, length), speed_nm_s)
     asked = speed_nm_s
     if speed_nm_s > fastest or not speed_nm_s:
         speed_nm_s = fastest
@@ -44,9 +44,9 @@ def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, delta
     scratch[SCRATCH_IS_ARC] = 1
     scratch[SCRATCH_FEED] = min(limits.part(asked), MOST) if asked else 0
     scratch[SCRATCH_ARC_TOP] = top
-    scratch[SCRATCH_LENGTH], shift = floated(length, 1, 28)
+    scratch[SCRATCH_LENGTH], shift = short_float(length, 1, 28)
     scratch[SCRATCH_LENGTH_SHIFT] = 2 * BIAS - shift
-    scratch[SCRATCH_STEPS], scratch[SCRATCH_STEPS_SHIFT] = floated(path, 1 << 10, 15)
+    scratch[SCRATCH_STEPS], scratch[SCRATCH_STEPS_SHIFT] = short_float(path, 1 << 10, 15)
     scratch[SCRATCH_ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
     scratch[SCRATCH_STRENGTH] = (acceleration << 28) // limits.strongest
     _set_direction(scratch, SCRATCH_HEADING, limits, plane, start, clockwise, flat, rise, length)
@@ -76,7 +76,7 @@ def _share(point, axis):
     return min((abs(point[axis]) << 48) // radius, ONE)
 
 
-def _allowed(limits, plan, plane, center, reach, lengths, asked):
+def _arc_limits(limits, plan, plane, center, reach, lengths, asked):
     """(highest speed, acceleration) along the path of an arc; `lengths` of it in the plane, along the third axis, in all."""
     flat, rise, length = lengths
     steps = isqrt((center[0] * center[0] + center[1] * center[1]) << 20)  # of 2⁻¹⁰

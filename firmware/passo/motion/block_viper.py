@@ -22,7 +22,7 @@ that count. Below, s are its steps, l its length, a the acceleration that the ax
 
 import micropython
 
-from passo.motion.scale_viper import bounded, drop, lift, quotient, scaled
+from passo.motion.scale_viper import drop, lift, quotient, scale, scale_clamped
 from passo.motion.vector_viper import measure, most_steps
 from passo.records import *
 
@@ -99,7 +99,7 @@ def share_ticks(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
         ticks = int(time_of(int(quotient(scratch[SCRATCH_LENGTH], speed << lifted)), limits[LIMIT_SPEED]))
         shift = limits[LIMIT_SPEED_SHIFT] + lifted - scratch[SCRATCH_LENGTH_SHIFT]
     if shift < 0:
-        ticks = int(scaled(ticks, shift))
+        ticks = int(scale(ticks, shift))
         shift = 0
     if ticks == 0:
         ticks = 1
@@ -170,7 +170,7 @@ def set_ramp(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
 def shorten(scratch: ptr32, at: int, value: int, shift: int):
     """Write value · 2^(shift − 1000) > 0 to scratch[at] as a short float: 15 bits, and the exponent behind them."""
     more = int(lift(value, 0x4000)) - int(drop(value, 0x8000))
-    scratch[at] = int(scaled(value, more))
+    scratch[at] = int(scale(value, more))
     scratch[at + SHORT_EXPONENT] = shift - more
 
 
@@ -198,7 +198,7 @@ def set_ratio(rows: ptr32, at: int, scratch: ptr32, full: int, full_shift: int, 
     if scratch[SCRATCH_THROUGH]:
         ratio = ((scratch[SCRATCH_FULL] * top >> 15) << 15) // (scratch[SCRATCH_TOP] * full >> 15)  # exactly 1 if nothing changes
         more = int(lift(ratio, 0x2000)) - int(drop(ratio, 0x4000))
-        ratio = int(scaled(ratio, more))
+        ratio = int(scale(ratio, more))
         shift = scratch[SCRATCH_TOP_SHIFT] + full_shift - scratch[SCRATCH_FULL_SHIFT] - top_shift + 15 + more
     rows[at + ROW_RATIO] = ratio
     rows[at + ROW_RATIO_SHIFT] = shift
@@ -218,7 +218,7 @@ def gain_of(scratch: ptr32, limits: ptr32) -> int:
     shift = scratch[SHORT_STRENGTH + SHORT_EXPONENT] - scratch[SHORT_LENGTH + SHORT_EXPONENT] + limits[LIMIT_GAIN_SHIFT] - scratch[SHORT_STEPS + SHORT_EXPONENT]
     shift += 2 * (scratch[SCRATCH_TOP_SHIFT] - scratch[SCRATCH_FULL_SHIFT])
     less = int(drop(gain, 0x8000))
-    gain = int(bounded((gain >> less) * (scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15), shift + less))
+    gain = int(scale_clamped((gain >> less) * (scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15), shift + less))
     return gain if gain > 2 else 2
 
 
@@ -226,11 +226,11 @@ def gain_of(scratch: ptr32, limits: ptr32) -> int:
 def reach_of(scratch: ptr32, gain: int) -> int:
     """The square of speed, of 2²⁸, that the block can gain or lose: gain · s · v² / T², rounded down."""
     more = int(lift(gain, 0x4000)) - int(drop(gain, 0x8000))
-    reach = int(scaled(gain, more)) * scratch[SHORT_STEPS] >> 15
+    reach = int(scale(gain, more)) * scratch[SHORT_STEPS] >> 15
     reach = reach * (scratch[SCRATCH_FULL] * scratch[SCRATCH_FULL] >> 15) >> 15
     reach = (reach << 15) // ((scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15) + 1)
     shift = scratch[SHORT_STEPS + SHORT_EXPONENT] - 1013 - more + 2 * (scratch[SCRATCH_FULL_SHIFT] - scratch[SCRATCH_TOP_SHIFT])
-    return int(bounded(reach, shift))
+    return int(scale_clamped(reach, shift))
 
 
 @micropython.viper
@@ -250,5 +250,5 @@ def set_time(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
     ticks = (ticks << 15) // ((scratch[SCRATCH_TOP] * scratch[SHORT_STRENGTH] >> 15) + 1)
     more = int(lift(ticks, 0x4000)) - int(drop(ticks, 0x8000))
     shift = scratch[SCRATCH_TOP_SHIFT] + scratch[SHORT_STRENGTH + SHORT_EXPONENT] - scratch[SCRATCH_FULL_SHIFT] - limits[LIMIT_TIME_SHIFT]
-    rows[at + ROW_TIME] = int(scaled(ticks, more))
+    rows[at + ROW_TIME] = int(scale(ticks, more))
     rows[at + ROW_TIME_SHIFT] = shift + 15 + more

@@ -5,14 +5,14 @@
     walk(out, at, count, state)         # the masks of `count` words of it
 
 The method stands in circle.py, the fields of `plan` and `state` in records.py; block_viper.py says what kernels ask of
-integers. None reaches 2³⁰. A number that may be negative, within ±2²⁹, is read out of an array by signed().
+integers. None reaches 2³⁰. A number that may be negative, within ±2²⁹, is read out of an array by sign_extend().
 """
 
 import micropython
 from micropython import const
 
 from passo.motion.integers import divide
-from passo.motion.scale_viper import signed
+from passo.motion.scale_viper import sign_extend
 from passo.records import *
 
 LEADS = const(22_938)  # ARC_Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
@@ -28,7 +28,7 @@ def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
     while i < ARC_FIELDS:
         state[i] = plans[first + i]
         i += 1
-    rise = int(signed(plans[first + ARC_Z_STEPS]))
+    rise = int(sign_extend(plans[first + ARC_Z_STEPS]))
     state[CIRCLE_Z_LEFT] = rise if rise > 0 else 0 - rise
     state[CIRCLE_Z_SUM] = _Z_ONE >> 1
     state[CIRCLE_Z_OVER] = state[CIRCLE_REST] = state[CIRCLE_ERROR] = state[CIRCLE_USED] = 0
@@ -40,13 +40,13 @@ def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
 @micropython.viper
 def run(state: ptr32) -> int:  # ISR: no allocation
     """See above."""
-    part = state[ARC_PATH_FINE] + int(signed(state[CIRCLE_USED]))
+    part = state[ARC_PATH_FINE] + int(sign_extend(state[CIRCLE_USED]))
     state[ARC_PATH] = state[ARC_PATH] - (part >> 20)
     state[ARC_PATH_FINE] = part & 0xFFFFF
     state[CIRCLE_USED] = 0
     if state[ARC_STEPS] == 0:
         return 0
-    u = int(signed(state[ARC_U]))
+    u = int(sign_extend(state[ARC_U]))
     w = state[ARC_W]
     if u >= state[ARC_INSIDE]:  # over the diagonal: the axes change their parts
         part = u
@@ -58,7 +58,7 @@ def run(state: ptr32) -> int:  # ISR: no allocation
     count = int(run_steps(state, u, w))
     state[ARC_STEPS] = state[ARC_STEPS] - count
     words = int(third_axis(state, int(measure_run(state, u, w, count)), count))
-    used = int(signed(state[CIRCLE_USED])) + state[CIRCLE_REST]
+    used = int(sign_extend(state[CIRCLE_USED])) + state[CIRCLE_REST]
     if used < 0:
         used = 0
     state[CIRCLE_PATH] = used >> 7
@@ -111,8 +111,8 @@ def measure_run(state: ptr32, u: int, w: int, count: int) -> int:  # ISR: no all
     takes, as a length. A word's time passes after its step: a run lasts from its first step to the first one of the next.
     If the third axis leads, time is its own."""
     diagonal = state[ARC_DIAGONAL]
-    error = int(signed(state[CIRCLE_ERROR]))
-    before = int(signed(state[CIRCLE_NEXT]))
+    error = int(sign_extend(state[CIRCLE_ERROR]))
+    before = int(sign_extend(state[CIRCLE_NEXT]))
     length = diagonal
     if u <= 0 - state[ARC_ACROSS]:  # over the diagonal: the root is wanted behind this step
         if before < 0:
@@ -243,7 +243,7 @@ def set_directions(state: ptr32, u: int):  # ISR: no allocation
         negative |= along
     if w_back:
         negative |= other
-    rise = int(signed(state[ARC_Z_STEPS]))
+    rise = int(sign_extend(state[ARC_Z_STEPS]))
     if rise:
         third = 1 << state[ARC_AXIS_Z]
         moving |= third
@@ -256,10 +256,10 @@ def set_directions(state: ptr32, u: int):  # ISR: no allocation
 @micropython.viper
 def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
     """See above. Each step along u goes along w too if that leaves the smaller error."""
-    u = int(signed(state[ARC_U]))
+    u = int(sign_extend(state[ARC_U]))
     w = state[ARC_W]
-    error = int(signed(state[CIRCLE_ERROR]))
-    decision = int(signed(state[CIRCLE_DECISION]))
+    error = int(sign_extend(state[CIRCLE_ERROR]))
+    decision = int(sign_extend(state[CIRCLE_DECISION]))
     rise = state[CIRCLE_RISE]
     fall = state[CIRCLE_FALL]
     along = 1 << state[CIRCLE_U_AXIS]

@@ -71,21 +71,21 @@ class Limits:
         squared = self.fastest * self.fastest
         fields[LIMIT_AXES] = axes
         fields[LIMIT_FINEST] = BIAS + finest - 14
-        fields[LIMIT_SPEED], fields[LIMIT_SPEED_SHIFT] = floated(TICKS_PER_S << 28, self.fastest, 28)
-        fields[LIMIT_GAIN], fields[LIMIT_GAIN_SHIFT] = floated(2 * self.strongest << 28, squared, 15)  # gain
-        fields[LIMIT_TIME], fields[LIMIT_TIME_SHIFT] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
-        fields[LIMIT_CORNER], fields[LIMIT_CORNER_SHIFT] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
+        fields[LIMIT_SPEED], fields[LIMIT_SPEED_SHIFT] = short_float(TICKS_PER_S << 28, self.fastest, 28)
+        fields[LIMIT_GAIN], fields[LIMIT_GAIN_SHIFT] = short_float(2 * self.strongest << 28, squared, 15)  # gain
+        fields[LIMIT_TIME], fields[LIMIT_TIME_SHIFT] = short_float(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
+        fields[LIMIT_CORNER], fields[LIMIT_CORNER_SHIFT] = short_float(self.strongest * self.junction_deviation, squared, 15)  # corner
         fields[LIMIT_WHOLE] = self.fastest if self.fastest < 1 << 30 else 0
         for axis in range(axes):
             fields[LIMIT_STEP + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
-            fields[LIMIT_FASTEST + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)
+            fields[LIMIT_FASTEST + axis], shift = short_float(self.speeds[axis] << 28, self.fastest, 29)
             fields[LIMIT_FASTEST_SHIFT + axis] = shift + 15
-            fields[LIMIT_STRONGEST + axis], shift = floated(self.accelerations[axis] << 28, self.strongest, 29)
+            fields[LIMIT_STRONGEST + axis], shift = short_float(self.accelerations[axis] << 28, self.strongest, 29)
             fields[LIMIT_STRONGEST_SHIFT + axis] = shift + 15
         return fields
 
 
-def floated(value, by, bits):
+def short_float(value, by, bits):
     """(m, BIAS + e) with m · 2ᵉ next to value / by from below and m of `bits` bits."""
     if not value:
         return 0, BIAS

@@ -20,7 +20,7 @@ import micropython
 
 from passo.motion.block_viper import plan_block
 from passo.motion.row_viper import close
-from passo.motion.scale_viper import bounded, drop, lift, root, scaled, size
+from passo.motion.scale_viper import drop, lift, root, scale, scale_clamped, size
 from passo.motion.vector_viper import limit_along
 from passo.records import *
 
@@ -63,7 +63,7 @@ def set_chord(scratch: ptr32, at: int, axes: int, minus: int):
         shift = int(lift(most, 0x2000)) - int(drop(most, 0x4000))
         i = 0
         while i < axes:
-            along = int(scaled(scratch[SCRATCH_CHANGE + i], shift))
+            along = int(scale(scratch[SCRATCH_CHANGE + i], shift))
             scratch[SCRATCH_CHANGE + i] = along
             square += along * along
             i += 1
@@ -87,11 +87,11 @@ def corner_square(scratch: ptr32, limits: ptr32) -> int:
     whole = 0x4000
     if sine_shift > 0:
         whole += sine << sine_shift >> 15
-    square = int(scaled(strong, more)) * sine >> 15
+    square = int(scale(strong, more)) * sine >> 15
     square = square * whole >> 15
     square = square * limits[LIMIT_CORNER] >> 15
     square = (square << 15) // ((turn * turn >> 13) + 1)
-    return int(bounded(square, limits[LIMIT_CORNER_SHIFT] - 968 - more + sine_shift - 2 * turn_shift))
+    return int(scale_clamped(square, limits[LIMIT_CORNER_SHIFT] - 968 - more + sine_shift - 2 * turn_shift))
 
 
 @micropython.viper

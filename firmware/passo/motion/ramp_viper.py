@@ -9,8 +9,8 @@ One text for all interpreters; see block_viper.py. No integer reaches 2³⁰.
 
 import micropython
 
-from passo.motion.scale_viper import drop, signed
-from passo.motion.speed_viper import gained, path_ticks, q_of, root_of, spread, step_ticks
+from passo.motion.scale_viper import drop, sign_extend
+from passo.motion.speed_viper import path_ticks, q_change, q_of, root_of, spread, step_ticks
 from passo.records import *
 
 
@@ -30,7 +30,7 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: i
     most = limit << 7
     speed = state[RAMP_V]
     less = int(drop(speed, 0x8000))
-    shift = int(signed(rows[at + ROW_RATIO_SHIFT])) - less
+    shift = int(sign_extend(rows[at + ROW_RATIO_SHIFT])) - less
     speed = (speed >> less) * rows[at + ROW_RATIO]  # 15 bits by 14
     if shift > 30:
         speed = 0
@@ -71,7 +71,7 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
         state[RAMP_TICKS] = int(spread(path, rows[at + ROW_TICKS], rows[at + ROW_TICKS_REST]))
         state[RAMP_PACE] = -1
         return
-    change = int(gained(gain, path >> 17, path & 0x1FFFF))
+    change = int(q_change(gain, path >> 17, path & 0x1FFFF))
     state[RAMP_CHANGE] = change if change < 0x1FFFFFFF else 0x1FFFFFFF
     if state[RAMP_S_CURVE] == 0:  # else s_curve.py goes on
         finish(rows, at, state, togo, percent)
@@ -208,7 +208,7 @@ def reachable(rows: ptr32, at: int, state: ptr32, togo: int) -> int:  # ISR: no 
         return leave
     if togo > 0x3FFFFFFF // gain or togo * gain >= aim - leave:
         return aim
-    leave += int(gained(gain, togo, state[RAMP_PART]))
+    leave += int(q_change(gain, togo, state[RAMP_PART]))
     return leave if leave < aim else aim
 
 
@@ -248,7 +248,7 @@ def change_ticks(rows: ptr32, at: int, change: int, fast: int) -> int:  # ISR: n
     ratio = (ratio << 8) + rest // fast
     ratio = (ratio << 6) + ((rest % fast) << 6) // fast
     less = int(drop(change, 0x8000))
-    shift = int(signed(rows[at + ROW_TIME_SHIFT])) + 7 - less
+    shift = int(sign_extend(rows[at + ROW_TIME_SHIFT])) + 7 - less
     change >>= less
     change *= rows[at + ROW_TIME]  # 15 bits by 15
     if shift > 30:

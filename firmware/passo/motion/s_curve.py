@@ -30,8 +30,8 @@ import micropython
 
 from passo.motion.integers import divide, isqrt
 from passo.motion.ramp_viper import cut
-from passo.motion.s_curve_block import at_end, grown, half_ramp, load, mean, need, ratio, step_from_rest
-from passo.motion.speed_viper import gained, q_of, root_of, step_ticks
+from passo.motion.s_curve_block import at_end, b_change, half_ramp, load, mean, need, ratio, step_from_rest
+from passo.motion.speed_viper import q_change, q_of, root_of, step_ticks
 from passo.records import *
 
 
@@ -91,7 +91,7 @@ def look(rows, at, state):  # ISR: no allocation
     room = INT_MOST
     scale = state[S_CURVE_SCALE]
     if togo < INT_MOST // scale:
-        room = gained(scale, togo, part)
+        room = q_change(scale, togo, part)
         room -= room >> 10
     state[S_CURVE_LEAVE] = leave
     state[S_CURVE_ON] = leave > start and rows[behind + ROW_EXIT] + rows[behind + ROW_REACH] <= rows[at + ROW_EXIT]
@@ -100,7 +100,7 @@ def look(rows, at, state):  # ISR: no allocation
     state[S_CURVE_ROOM] = room
     if state[S_CURVE_SLOW]:
         path = state[RAMP_PATH]
-        state[S_CURVE_FORCE] = gained(state[S_CURVE_PUSH], path >> 17, path & 0x1FFFF)
+        state[S_CURVE_FORCE] = q_change(state[S_CURVE_PUSH], path >> 17, path & 0x1FFFF)
     if q <= start:
         state[S_CURVE_B] = 0
     state[S_CURVE_GROW] = state[RAMP_TICKS] = 0
@@ -132,10 +132,10 @@ def set_pace(rows, at, state):  # ISR: no allocation
     guess = speed
     after = at_end(state, q, 2 * b)
     if steps > 3 and abs(after - q) < q >> 5:
-        grow = grown(state, (state[RAMP_PATH] >> 12) * step_ticks(state[S_CURVE_SPAN], speed) >> 5)
+        grow = b_change(state, (state[RAMP_PATH] >> 12) * step_ticks(state[S_CURVE_SPAN], speed) >> 5)
     else:  # it lasts less than at the speed of its beginning, by a third near rest, or more if it slows down
         then = root_of(after, speed)
-        grow = grown(state, mean(state, speed + then >> 1))
+        grow = b_change(state, mean(state, speed + then >> 1))
         if steps <= 3:
             guess = then
         if steps == 1:
@@ -249,7 +249,7 @@ def end(rows, at, state):  # ISR: no allocation
     gain = rows[at + ROW_GAIN]
     if aim > leave and togo <= INT_MOST // gain:  # the block's planned end can be reached, whatever the jerk
         room = togo * gain
-        more = gained(gain, 0, part)
+        more = q_change(gain, 0, part)
         if more < aim - leave - room:
             aim = leave + room + more
             if q - aim >= change:
@@ -262,7 +262,7 @@ def end(rows, at, state):  # ISR: no allocation
         b = 0
     elif togo < 8 and aim < q and stands:
         step_from_rest(rows, at, state)
-        least = state[S_CURVE_REST] if togo else gained(state[S_CURVE_REST], 0, part)
+        least = state[S_CURVE_REST] if togo else q_change(state[S_CURVE_REST], 0, part)
         if aim < least:  # slower than it would set out the other way round: that is not worth while
             aim = min(least, q)
             b = -state[S_CURVE_FIRST] if aim < q else 0

@@ -41,7 +41,7 @@ def load(rows, at, state):  # ISR: no allocation
     while span >= 0x8000:
         span >>= 1
         by -= 1
-    push = scaled(span * rate, -by) or 1
+    push = scale(span * rate, -by) or 1
     most = quotient(gain, push, 11)
     if most < _LEAST_B:
         most = _LEAST_B
@@ -58,7 +58,7 @@ def load(rows, at, state):  # ISR: no allocation
     limit = state[S_CURVE_LIMIT] = min(most, _MOST_B)
     b = state[S_CURVE_B]
     if b:
-        size = min(scaled(abs(b) * rate // state[S_CURVE_RATE], state[S_CURVE_RATE_SHIFT] - shift), limit)  # 15 bits by 15
+        size = min(scale(abs(b) * rate // state[S_CURVE_RATE], state[S_CURVE_RATE_SHIFT] - shift), limit)  # 15 bits by 15
         state[S_CURVE_B] = size if b > 0 else -size
     state[S_CURVE_RATE] = rate
     state[S_CURVE_RATE_SHIFT] = shift
@@ -187,7 +187,7 @@ def mean(state, speed):  # ISR: no allocation
     return path_ticks(state[RAMP_PATH], state[S_CURVE_SPAN], speed or 1)
 
 
-def grown(state, ticks):  # ISR: no allocation
+def b_change(state, ticks):  # ISR: no allocation
     """How much b may change in `ticks`."""
     shift = state[S_CURVE_RATE_SHIFT] - 1
     while ticks >= 0x8000:
@@ -197,7 +197,7 @@ def grown(state, ticks):  # ISR: no allocation
     if 0 < shift < 29:  # parts below one count later
         size += state[S_CURVE_SPARE] & (1 << shift) - 1
         state[S_CURVE_SPARE] = size
-    return scaled(size, -shift) or 1
+    return scale(size, -shift) or 1
 
 
 def half_ramp(state, speed):  # ISR: no allocation
@@ -211,7 +211,7 @@ def half_ramp(state, speed):  # ISR: no allocation
     while b >= 0x8000:
         b >>= 1
         shift += 1
-    return scaled((b << 14) // state[S_CURVE_RATE], shift)
+    return scale((b << 14) // state[S_CURVE_RATE], shift)
 
 
 def quotient(value, by, bits):  # ISR: no allocation
@@ -223,7 +223,7 @@ def quotient(value, by, bits):  # ISR: no allocation
 
 
 @micropython.viper
-def scaled(value: int, shift: int) -> int:  # ISR: no allocation
+def scale(value: int, shift: int) -> int:  # ISR: no allocation
     """value · 2ˢʰⁱᶠᵗ, 2³⁰ − 1 at most."""
     if shift <= 0:
         return value >> (0 - shift) if shift > -31 else 0

@@ -1,6 +1,6 @@
 """Integers brought to a length, divided and rooted: the arithmetic that the kernels share.
 
-    shift = lift(value, 0x4000) - drop(value, 0x8000)      # short float: value = scaled(value, shift), of 15 bits
+    shift = lift(value, 0x4000) - drop(value, 0x8000)      # short float: value = scale(value, shift), of 15 bits
 
 One text for all interpreters; block_viper.py says what that asks of integers. `int()` around a call tells viper its type.
 """
@@ -22,7 +22,7 @@ def size(value: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def signed(number: int) -> int:  # ISR: no allocation
+def sign_extend(number: int) -> int:  # ISR: no allocation
     """A number within ±2²⁹ that has been read out of an array: where viper is 64 bits wide it reads a negative one as positive."""
     return ((number + INT_HALF) & INT_MOST) - INT_HALF
 
@@ -48,7 +48,7 @@ def drop(value: int, most: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def scaled(value: int, shift: int) -> int:  # ISR: no allocation
+def scale(value: int, shift: int) -> int:  # ISR: no allocation
     """value · 2^shift, rounded down; the product is below 2³¹."""
     if shift >= 0:
         return value << shift
@@ -58,13 +58,13 @@ def scaled(value: int, shift: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def bounded(value: int, shift: int) -> int:  # ISR: no allocation
+def scale_clamped(value: int, shift: int) -> int:  # ISR: no allocation
     """value · 2^shift, rounded down, at most 2²⁹ − 1; 0 ≤ value < 2³¹."""
     if shift > 0 and value:
         room = int(lift(value, 0x10000000)) if value < 0x10000000 else 0
         if shift > room:
             return 0x1FFFFFFF
-    value = int(scaled(value, shift)) if value else 0
+    value = int(scale(value, shift)) if value else 0
     return value if value < 0x1FFFFFFF else 0x1FFFFFFF
 
 

@@ -11,7 +11,7 @@ A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py s
 
 import micropython
 
-from passo.motion.scale_viper import signed
+from passo.motion.scale_viper import sign_extend
 from passo.records import *
 
 
@@ -19,7 +19,7 @@ from passo.records import *
 def q_of(square: int, rows: ptr32, at: int, limit: int) -> int:  # ISR: no allocation
     """q of the square of a speed, in a block's units; `limit` squared at most."""
     unit = rows[at + ROW_UNIT]
-    shift = int(signed(rows[at + ROW_UNIT_SHIFT])) - 14
+    shift = int(sign_extend(rows[at + ROW_UNIT_SHIFT])) - 14
     q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)
     most = limit * limit
     if shift < 0:
@@ -79,7 +79,7 @@ def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def gained(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
+def q_change(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
     """Return gain · (steps + part / 2¹⁷): the change of q."""
     return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
 
@@ -105,7 +105,7 @@ def progress(rows: ptr32, seen: ptr32):
     """SEEN_LINE and the speed of the block at SEEN_ROW, by SEEN_PACE and SEEN_FASTEST; no speed if the machine has no limits."""
     seen[SEEN_LINE] = 0
     speed = 0
-    at = int(signed(seen[SEEN_ROW]))
+    at = int(sign_extend(seen[SEEN_ROW]))
     if at >= 0 and rows[at + ROW_KIND] != KIND_WAIT:
         seen[SEEN_LINE] = rows[at + ROW_TAG]
         pace = seen[SEEN_PACE]

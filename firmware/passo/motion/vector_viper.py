@@ -8,7 +8,7 @@ One text for all interpreters; block_viper.py says what that asks of integers.
 
 import micropython
 
-from passo.motion.scale_viper import lift, quotient, root, scaled, size
+from passo.motion.scale_viper import lift, quotient, root, scale, size
 from passo.records import *
 
 
@@ -130,7 +130,7 @@ def limit_along(limit: int, part: int, shift: int) -> int:
     """limit / part · 2^shift, at most 2²⁹: an axis's limit, along a path of which it moves by `part`."""
     limit = limit // part
     if shift < 0:
-        return int(scaled(limit, shift))
+        return int(scale(limit, shift))
     if limit < 0x20000000 >> shift:
         return limit << shift
     return 0x20000000

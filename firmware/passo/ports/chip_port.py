@@ -35,13 +35,13 @@ class Input:
         self.level = entry["active"]
         self._port = port
         if entry["halt"]:
-            port.watch(self.pin, self._tripped, Pin.IRQ_RISING if self.level else Pin.IRQ_FALLING)
+            port.watch(self.pin, self._handle_edge, Pin.IRQ_RISING if self.level else Pin.IRQ_FALLING)
 
     @micropython.native
     def active(self):
         return self.pin.value() == self.level
 
-    def _tripped(self, pin):  # ISR: no allocation
+    def _handle_edge(self, pin):  # ISR: no allocation
         # A spike of noise is over by now: then nothing has happened.
         if pin.value() == self.level:
             self._port.trip(self)
@@ -78,7 +78,7 @@ class ChipPort:
         self._aside = FEED_NOW
         self._behind = False  # the interrupt has left out a call while the main loop made words
         self._left_out = False  # the call that was to come later has been left out
-        self._trip = None  # the halting input that has stopped the player, until tripped() has returned it
+        self._trip = None  # the halting input that has stopped the player, until halting_input() has returned it
         self._failed = None  # the exception that an interrupt raised
         self._beat_ms = ticks_ms()
         self._lines = []
@@ -150,7 +150,7 @@ class ChipPort:
 
     link_ms = machine_ms
 
-    def tripped(self):
+    def halting_input(self):
         """The name of the halting input that stopped the player since the last call, or is active now; or None."""
         trip = self._trip
         for item in self._halting:
@@ -191,10 +191,10 @@ class ChipPort:
         """
         self.lead_ticks = self._leads[live]
         ring = self._feeder.ring
-        if self._player.played() != ring.head:
+        if self._player.words_played() != ring.head:
             return  # the interrupt is left alone while words play: a main loop in step with it would starve them
         self._aside = _LEAVE_ALONE
-        played = self._player.played()
+        played = self._player.words_played()
         if self._trip is None and played == ring.head:
             self._set_out(played)
             if self._trip is not None:
@@ -284,7 +284,7 @@ class ChipPort:
         elif self._trip is None and feeder.open:
             try:
                 player = self._player
-                played = player.played()
+                played = player.words_played()
                 if played == feeder.ring.head or self._behind:
                     self._behind = False
                     self._set_out(played)

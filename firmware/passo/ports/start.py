@@ -1,7 +1,7 @@
 """The surroundings of the app on a chip: a safe start, ways back to the REPL, and the traces of a crash.
 
     start = Start(board)            # a raw board file: outputs go safe here, whatever else may be wrong with it
-    if start.wanted():              # no: the chip's button, or the input named "repl", is held
+    if start.ready():               # no: the chip's button, or the input named "repl", is held
         port = start.port(board)    # now a checked one
         ...
 
@@ -40,7 +40,7 @@ class Start:
         self._since_ms = ticks_ms()
         safe(self._outputs)
 
-    def wanted(self):
+    def ready(self):
         """False if the REPL is asked for instead of the app."""
         button = self.button()
         if button:
@@ -57,7 +57,7 @@ class Start:
         """The name of the chip's button, if it is held."""
         return None
 
-    def loading(self):
+    def begin_loading(self):
         """Called before the app is imported."""
 
     def keep(self, board):
@@ -66,7 +66,7 @@ class Start:
     def load(self, board):
         """Import what port() will ask for."""
 
-    def loaded(self):
+    def finish_loading(self):
         """Called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
         return ""
 
@@ -95,7 +95,7 @@ class Start:
     def end(self, app, port, error=None):
         """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more."""
         try:
-            said = self.loaded()
+            said = self.finish_loading()
             if said and error is not None:
                 print(said)
             if app is not None:

@@ -74,7 +74,7 @@ class UsbLine:
                 break
             else:
                 break
-            if console and console.taken(byte[0]):
+            if console and console.check(byte[0]):
                 self._whole = console
                 break
         return count

@@ -38,7 +38,7 @@ from passo.ports import parts
 from passo.ports.virtual_player import Player
 from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.position import Latch
-from passo.steps.wiring import inverted_pins, muted_pins, word_times
+from passo.steps.wiring import inversion_mask, mute_mask, word_times
 
 TICK_NS = 80
 COARSE_TICKS = 8 * TICKS_PER_MS  # a cycle in motion: well inside the 30 ms that the feeder keeps ahead
@@ -72,7 +72,7 @@ class VirtualPort:
         self._inputs = {entry["name"]: entry.get("active", 1) for entry in inputs}
         self._halting = [entry["name"] for entry in inputs if entry.get("halt", False)]
         self._outputs = {entry["name"]: entry.get("active", 1) for entry in outputs}
-        self._trip = None  # the input that has stopped the player, until tripped() has returned it
+        self._trip = None  # the input that has stopped the player, until halting_input() has returned it
         self.veto = self._limits = None
         if "veto" not in getattr(board.get("additions"), "parts", ()) and hasattr(world, "listen") and self._inputs:
             from passo.ports.virtual_inputs import VirtualLimits
@@ -92,10 +92,10 @@ class VirtualPort:
     def player(self, ring, layout, board):
         """The player of `ring`. Once."""
         pulse_ticks, min_word_ticks = word_times(board)
-        muted = muted_pins(board)
+        muted = mute_mask(board)
         if muted:
             self.world = MutedWorld(self.world, muted)
-        self._player = self._player_class(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(board, layout))
+        self._player = self._player_class(self, ring, layout, pulse_ticks, min_word_ticks, inversion_mask(board, layout))
         return self._player
 
     def feed_from_interrupt(self, feeder, player):
@@ -138,7 +138,7 @@ class VirtualPort:
         """Return an option's part, which few boards have, as ports/chip_port.py does."""
         return parts.of_option(kind, "port_virtual").create(self, config)
 
-    def tripped(self):
+    def halting_input(self):
         """Return the name of a halting input that is active, or of the input for which the veto has stopped the player; or None. Halting
         inputs are looked at once a cycle."""
         trip, self._trip = self._trip, None
@@ -160,7 +160,7 @@ class VirtualPort:
         self._player.show_power(self.now, level)
 
     def trip(self, item):
-        """Stop the player; tripped() tells for what."""
+        """Stop the player; halting_input() tells for what."""
         self._trip = item
         self._player.halt()
 

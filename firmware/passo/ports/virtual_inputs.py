@@ -61,9 +61,9 @@ class VirtualInputs:
         for key, (due, active) in list(self._due.items()):
             if due <= tick and key in self._due:
                 del self._due[key]
-                self._lasted(key, active)
+                self._accept_change(key, active)
 
-    def _lasted(self, key, active):
+    def _accept_change(self, key, active):
         """A change of an input has lasted its filter's time."""
 
 
@@ -77,7 +77,7 @@ class VirtualLimits(VirtualInputs):
         self._watches = {}
         self.output = world.output
         self._pass_time()
-        world.listen(self._changed)
+        world.listen(self._handle_change)
 
     def watch_limit(self, name, filter_us):
         self._watches[name] = watch = _Watch(name, self._levels[name], int(filter_us * TICKS_PER_US))
@@ -95,7 +95,7 @@ class VirtualLimits(VirtualInputs):
     def _next_event(self):
         return VirtualInputs.next_event(self)
 
-    def _changed(self, tick, name, level):
+    def _handle_change(self, tick, name, level):
         watch = self._watches.get(name)
         if watch is None:
             return
@@ -108,7 +108,7 @@ class VirtualLimits(VirtualInputs):
             self.run, self.next_event = self._run, self._next_event
             self._let(tick)
 
-    def _lasted(self, key, active):
+    def _accept_change(self, key, active):
         watch = self._watches[key]
         if watch.armed:
             watch.armed = False

@@ -64,7 +64,7 @@ class Player:
         """True while words are left to play or the last one's ticks still run."""
         return self._next > self.now or (self._playing and self._played != self._ring.head)
 
-    def played(self):
+    def words_played(self):
         """Words whose levels have appeared on the pins, modulo 2²⁹."""
         return self._played
 

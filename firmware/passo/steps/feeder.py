@@ -3,8 +3,8 @@
     block ─► geometry (which axes step) ─► pace (when) ─► drive (which pins) ─► ring ─► player
 
     feeder = Feeder(ring, layout, planner, drive, setup_ticks, min_word_ticks)
-    feeder.fill(player.played(), 30 * TICKS_PER_MS)     # words until so many ticks lie ahead of the player
-    feeder.position(player.played())                    # steps of each axis, exact at any word
+    feeder.fill(player.words_played(), 30 * TICKS_PER_MS)     # words until so many ticks lie ahead of the player
+    feeder.position(player.words_played())                    # steps of each axis, exact at any word
 
 It fills by time, so that what it has committed to is never more than a few milliseconds ahead. Only it writes the ring, the
 checkpoints and its `state`; geometries and ramp answer "next segment" and know nothing of it. At the end of each segment it

@@ -21,7 +21,7 @@ class Latch:
 
     def __init__(self):
         self.seen = True
-        self.first = self.played = 0  # the mark played last, and the words
+        self.first = self.words_played = 0  # the mark played last, and the words
 
     def begin(self, feeder, player):
         self._state = feeder.state
@@ -32,7 +32,7 @@ class Latch:
     def hold(self):  # ISR: no allocation
         if not self.seen:
             self.first = self._state[FEED_OLDEST]
-            self.played = self._player.played()
+            self.words_played = self._player.words_played()
             self.seen = True
 
 
@@ -65,9 +65,9 @@ class Position:
         if edge and (self.state[FEED_NEWEST] - edge.first) & COUNT_MASK < MARKS - 2:
             state = self.state[:]
             state[FEED_OLDEST] = edge.first
-            word = self.marks[find(state, self.marks, edge.played, self._found) + MARK_WORD]
-            if (edge.played - word) & COUNT_MASK < COUNT_HALF:
-                self._count(word, edge.played)
+            word = self.marks[find(state, self.marks, edge.words_played, self._found) + MARK_WORD]
+            if (edge.words_played - word) & COUNT_MASK < COUNT_HALF:
+                self._count(word, edge.words_played)
                 return self._found
         self._walk(played)
         return self._found

@@ -7,7 +7,7 @@ the ring: segments_viper.py puts them, one a segment at most, and dots_viper.py 
 
 The dots of rows lie in a ring behind the marks: queueing a row puts them, and the feeder gives them back once words have been made of the row's last step.
 
-passed() and scaled() are one text for all interpreters; see motion/block_viper.py. Their values have POWER_FINE bits behind the thousandths.
+take_marks() and scale() are one text for all interpreters; see motion/block_viper.py. Their values have POWER_FINE bits behind the thousandths.
 """
 # Shared with interrupts: power
 
@@ -21,7 +21,7 @@ _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 s
 
 
 @micropython.viper
-def passed(power: ptr32, played: int) -> int:  # ISR: no allocation
+def take_marks(power: ptr32, played: int) -> int:  # ISR: no allocation
     """The value of the last mark that began among `played` words, which are given back; -1: none did."""
     tail = power[POWER_TAIL]
     value = -1
@@ -36,7 +36,7 @@ def passed(power: ptr32, played: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def scaled(power: ptr32, value: int) -> int:  # ISR: no allocation
+def scale(power: ptr32, value: int) -> int:  # ISR: no allocation
     """Return the output's power for a value: with the override, and a spindle's lowest speed."""
     if value == 0:
         return 0
@@ -82,11 +82,11 @@ class Power:
     def play(self, played):  # ISR: no allocation
         """`played` words have begun: take up the marks among them. One function, because the feeder's interrupt calls it."""
         marks = self.marks
-        value = passed(marks, played)
+        value = take_marks(marks, played)
         if value >= 0:
             self.value = value >> POWER_FINE
             self._dark = False
-            self.fine = value = scaled(marks, value)
+            self.fine = value = scale(marks, value)
             self.level = value >> POWER_FINE
 
     def set(self, value):  # ISR: no allocation
@@ -105,7 +105,7 @@ class Power:
         value = -1
         while value != self.value:  # an interrupt may take up a mark meanwhile
             value = self.value
-            self.fine = 0 if self._dark else scaled(self.marks, value << POWER_FINE)
+            self.fine = 0 if self._dark else scale(self.marks, value << POWER_FINE)
             self.level = self.fine >> POWER_FINE
 
     def adjust(self, percent, least):

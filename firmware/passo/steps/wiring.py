@@ -26,7 +26,7 @@ def word_times(board):
     return pulse_ticks, 2 * pulse_ticks
 
 
-def inverted_pins(board, layout):
+def inversion_mask(board, layout):
     """Mask of the player's pins whose electrical level is the opposite of the word's."""
     axes = board["axes"]
     mask = 0 if board["tool"].get("active", 1) else layout.tool_mask
@@ -44,15 +44,15 @@ def inverted_pins(board, layout):
                 mask ^= 1 << layout.axes
             if axis.get("reversed", False) != motor["opposite"]:
                 mask ^= 1 << (layout.motors + layout.axes)
-        mask ^= _added(board, "inverted")
+        mask ^= _option_mask(board, "inverted")
     return mask
 
 
-def muted_pins(board):
+def mute_mask(board):
     """Mask of the player's pins that stay low, whatever a word says."""
-    return _added(board, "muted")
+    return _option_mask(board, "muted")
 
 
-def _added(board, key):
+def _option_mask(board, key):
     """A mask of levels that an option adds."""
     return getattr(board.get("additions"), "levels", {}).get(key, 0)

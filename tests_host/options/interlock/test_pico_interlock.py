@@ -158,7 +158,7 @@ for turn in range(40):
     app.cycle()
 before = gc.mem_alloc()
 locked()
-print(gc.mem_alloc() - before, port._trip is not None, list(interlock.trips), feeder.position(player.played()))
+print(gc.mem_alloc() - before, port._trip is not None, list(interlock.trips), feeder.position(player.words_played()))
 """
 
 

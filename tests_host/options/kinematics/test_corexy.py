@@ -32,7 +32,7 @@ class Belt(Asked):
     def places(self):
         """Return the places of axes and motors, which the board and the pins agree on."""
         queue = self.machine.app.controller.queue
-        motors = self.machine.app.feeder.position(self.machine.app.player.played())
+        motors = self.machine.app.feeder.position(self.machine.app.player.words_played())
         assert queue.position() == list(self.plant.position)
         return list(self.plant.position), list(motors)
 

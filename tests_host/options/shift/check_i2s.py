@@ -102,7 +102,7 @@ def check_edges(words, late_us, pulse):
     player.start()
     play(player, late_us)
     assert player.under_runs == 0 and chip.i2s.torn == 0
-    assert player.played() == len(words) == ring.head
+    assert player.words_played() == len(words) == ring.head
     assert world.place == place_of(words)
     due = 0
     wanted = []
@@ -183,7 +183,7 @@ def check_an_under_run(words, at, stall_us):
     last = player._state[frames_viper.ENDS]
     chip.stall(stall_us)
     play(player)
-    assert player.played() == len(words)
+    assert player.words_played() == len(words)
     assert world.place == place_of(words)
     assert world.steps == sum([1 for _, levels in words for axis in range(2) if levels & 1 << axis])
     least = player.min_word_ticks
@@ -206,7 +206,7 @@ def check_a_collection_in_psram(words, at, stall_us):
         run(player, 2000 * at + 2000)
         chip.stall(stall)
         play(player)
-        assert player.under_runs == 0 and chip.i2s.torn == 0 and player.played() == len(words)
+        assert player.under_runs == 0 and chip.i2s.torn == 0 and player.words_played() == len(words)
         assert world.place == place_of(legally)
         seen.append(list(chip.edges))
     assert seen[0] == seen[1]
@@ -221,18 +221,18 @@ def check_halt_anywhere(words, us):
     player.start()
     run(player, us)
     player.halt()
-    played = player.played()
+    played = player.words_played()
     assert world.place == place_of(words[:played])
     steps = world.steps
     assert not player.busy()
     run(player, 40_000)
-    assert world.steps == steps and player.played() == played
+    assert world.steps == steps and player.words_played() == played
     assert chip.edges[-1][1] & (layout.pulse_mask | layout.tool_mask) == 0
     ring.head = played
     put(ring, layout, words[played:])
     player.start()
     play(player)
-    assert world.place == place_of(words) and player.played() == len(words)
+    assert world.place == place_of(words) and player.words_played() == len(words)
     assert player.under_runs == 0
 
 
@@ -245,7 +245,7 @@ def check_the_count_goes_round():
         put(ring, layout, words)
         player.start()
         play(player)
-        assert player.played() == 400 and world.place == [0, 0] and player.under_runs == 0
+        assert player.words_played() == 400 and world.place == [0, 0] and player.under_runs == 0
 
 
 def check_back_pressure():
@@ -408,9 +408,9 @@ class Spied:
         play = player._play
 
         def spy(until):
-            played = player.played()
+            played = player.words_played()
             play(until)
-            while played != player.played():
+            while played != player.words_played():
                 word = ring.words[played & ring.mask]
                 self.words.append((word >> layout.bits, word & layout.levels_mask))
                 played += 1
@@ -430,14 +430,14 @@ def check_words_of_every_kind():
         given = 0
         player.start()
         while given < len(words) or player.busy():
-            while given < len(words) and (ring.head - player.played()) < 1000:
+            while given < len(words) and (ring.head - player.words_played()) < 1000:
                 put(ring, layout, words[given : given + 1])
                 given += 1
             player.start()
             player.pump()
             chip.stall(1500)
         run(player, 24_000)
-        assert player.under_runs == 0 and player.played() == len(words), name
+        assert player.under_runs == 0 and player.words_played() == len(words), name
         assert_edges(name, words, layout, player.min_word_ticks)
 
 

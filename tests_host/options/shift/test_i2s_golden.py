@@ -80,12 +80,12 @@ def test_a_golden_job_on_registers(name):
     chip.edges = chip.edges[:1]
     given = 0
     while given < len(words) or player.busy():
-        count = min(len(words) - given, RING - 1 - (ring.head - player.played()))
+        count = min(len(words) - given, RING - 1 - (ring.head - player.words_played()))
         put(ring, layout, words[given : given + count])
         given += count
         player.start()
         player.pump()
         chip.stall(2000)
     run(player, 24_000)
-    assert player.under_runs == 0 and player.played() == len(words)
+    assert player.under_runs == 0 and player.words_played() == len(words)
     assert_edges(name, words, layout, player.min_word_ticks)

@@ -15,7 +15,7 @@ class Queue(StreamQueue):
 
     def _motor_positions(self):
         """Return the motors' positions at this moment, in steps; the feeder's array."""
-        return self._feeder.shared_position(self._player.played())
+        return self._feeder.shared_position(self._player.words_played())
 
     def _ask_undisturbed(self, ask):
         """Return ask(), called while no interrupt retires blocks: the position then belongs to the block retired last."""
@@ -31,21 +31,21 @@ class Queue(StreamQueue):
 
     def _look_at_queue(self):
         """Retire the blocks played, take a look (see Queue.look()), and turn the motors' position into that of the axes."""
-        played = self._player.played()
+        played = self._player.words_played()
         self._feeder.retire(played)
         StreamQueue.look(self, played)
         self._planner.to_axes(self.here)
 
     def _since_start(self):
         """Return the axes' positions, in steps since power-up."""
-        played = self._player.played()
+        played = self._player.words_played()
         self._feeder.retire(played)
         return self._planner.to_axes(self._feeder.shared_position(played))
 
     def shared_position(self, edge=None):
         """Return the position in steps from the origin, or that at the edge which the Latch `edge` holds."""
         if edge:
-            return self._from_origin(self._planner.to_axes(self._feeder.shared_position(self._player.played(), edge)))
+            return self._from_origin(self._planner.to_axes(self._feeder.shared_position(self._player.words_played(), edge)))
         return self._from_origin(self._ask_undisturbed(self._since_start))
 
     def axis(self, axis, edge=None):

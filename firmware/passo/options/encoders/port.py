@@ -136,9 +136,9 @@ class Encoders:
         follower = self._follower
         position = self._position
         after = self._after
-        before = self._player.played()
+        before = self._player.words_played()
         self.read(self.counts)
-        played = self._player.played()
+        played = self._player.words_played()
         follower.find_position(before, position)
         for axis in range(self._axes):
             after[axis] = position[axis]

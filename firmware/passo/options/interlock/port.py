@@ -57,8 +57,8 @@ class Interlock:
         self._segments = feeder.marks
         self._player = player
         self._start = player.start
-        self._played = player.played
-        self.playing = feeder.state, feeder.marks, player.played, player.halt, getattr(player, "hold", None)
+        self._played = player.words_played
+        self.playing = feeder.state, feeder.marks, player.words_played, player.halt, getattr(player, "hold", None)
         player.start = self.start
 
     # --- interrupts

@@ -53,7 +53,7 @@ class VirtualInterlock(Interlock, VirtualInputs):
             self._due[number] = tick + self._ticks[number], active
             self._let(tick)
 
-    def _lasted(self, key, active):
+    def _accept_change(self, key, active):
         """Take over a change that has lasted its filter's time."""
         if self.states >> key & 1 != active:  # else the main loop has been first
             self.take_change(key, active)

@@ -84,7 +84,7 @@ class Queue(StreamQueue):
 
     def settle(self):
         """Let the queue end where the motors stand. Only at a stand."""
-        self._planner.stand_at(self._feeder.position(self._player.played()))
+        self._planner.stand_at(self._feeder.position(self._player.words_played()))
         StreamQueue.settle(self)
 
     def drop(self):

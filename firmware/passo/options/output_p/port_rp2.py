@@ -15,7 +15,7 @@ from micropython import const
 from passo.options.output_p.steps import SWITCH_ASKED, SWITCH_FIELDS, SWITCH_FIRST, SWITCH_MOST, SWITCH_NEVER, SWITCH_SHOWN, SWITCH_VALUE, SWITCH_WORD
 from passo.ports.rp2 import chip, vectors
 from passo.ports.rp2.fields import *
-from passo.ports.rp2.pio_player import _played
+from passo.ports.rp2.pio_player import _words_played
 from passo.ports.rp2.registers import *
 from passo.records import COUNT_HALF, COUNT_MASK
 
@@ -74,7 +74,7 @@ def _show_due(own: ptr32):  # ISR: no allocation
     pins = ptr32(0xD0000010)
     toggle = ptr32(own[_TOGGLE])
     ptr32(state[PIO_BLOCK])[BLOCK_IRQ] = 1 << state[PIO_NUMBER]  # the next word raises it again
-    begun = int(_played(state)) - 1
+    begun = int(_words_played(state)) - 1
     while switches[SWITCH_SHOWN] != switches[SWITCH_ASKED]:
         at = SWITCH_FIRST + (switches[SWITCH_SHOWN] & (SWITCH_MOST - 1)) * SWITCH_FIELDS
         word = switches[at + SWITCH_WORD]

@@ -90,5 +90,5 @@ class Detour:
         feeder = self._feeder
         fed = feeder.open
         feeder.open = False
-        feeder.retire(self._player.played())
+        feeder.retire(self._player.words_played())
         return fed

@@ -213,7 +213,7 @@ class I2sPlayer:
         self._look()
         return self._state[frames_viper.PLAYED] != self._ring.head or self._state[frames_viper.RUNS] != 0
 
-    def played(self):
+    def words_played(self):
         """Words whose levels have been latched, modulo 2²⁹."""
         self._look()
         return self._state[frames_viper.PLAYED]

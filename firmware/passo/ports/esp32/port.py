@@ -20,7 +20,7 @@ from micropython import const
 from passo.ports.chip_port import ChipPort
 from passo.ports.esp32.timer_player import TimerPlayer
 from passo.records import LEAD_TICKS
-from passo.steps.wiring import inverted_pins, word_pins, word_times
+from passo.steps.wiring import inversion_mask, word_pins, word_times
 
 _FEED_MS = const(5)
 _FEED_TIMER = const(1)  # TimerPlayer has timer 0
@@ -43,7 +43,7 @@ class Port(ChipPort):
     def player(self, ring, layout, board):
         pulse_ticks, least = word_times(board)
         pins = word_pins(board)
-        invert = inverted_pins(board, layout)
+        invert = inversion_mask(board, layout)
         if self._pumps:
             self._player = self.bank.make_player(ring, layout, pins, pulse_ticks, invert)
         else:

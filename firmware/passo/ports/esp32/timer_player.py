@@ -143,7 +143,7 @@ class TimerPlayer:
             return False
         return self._played != self._ring.head and not self._ending or ticks_diff(self._due_us, ticks_us()) > 0
 
-    def played(self):
+    def words_played(self):
         return self._played
 
     def rest(self, levels):

@@ -52,7 +52,7 @@ def set_mhz(mhz):
         except ValueError:
             pass  # the check below raises with the clock that there is
     said = machine.freq()
-    found = counted_khz()
+    found = measure_khz()
     if found < 0:
         raise RuntimeError("clock_mhz: the chip's frequency counter does not answer")
     if said != mhz * 1_000_000 or abs(found - mhz * 1000) > _OFF_KHZ:
@@ -72,7 +72,7 @@ def _raise_voltage():
     raise RuntimeError("clock_mhz: the core voltage does not rise to 1.15 V")
 
 
-def counted_khz():
+def measure_khz():
     """The system clock by the chip's frequency counter, against the crystal. -1 if it does not answer."""
     at = chip.COUNTER
     for offset, value in ((0, _CRYSTAL_KHZ), (4, 0), (8, 0x1FFFFFF), (16, _INTERVAL), (20, _CLK_SYS)):

@@ -1,7 +1,7 @@
 """Takes what the USB console has received in one go: MicroPython gives single bytes, and never says how many there are.
 
     console = Console()
-    console.taken(value)                # of each byte read, until it returns True
+    console.check(value)                # of each byte read, until it returns True
     console.any(ready)                  # from then on
     console.take(data, 640, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
     console.close()                     # give the interpreter its console back
@@ -86,7 +86,7 @@ class Console:
         self._empty = True  # no byte has been read, so it is not known where the next one will be
 
     @micropython.viper
-    def taken(self, value: int) -> bool:
+    def check(self, value: int) -> bool:
         """Check where a byte that has been read lay. Returns True with the last byte that had to be checked: then call take(), and no longer the interpreter's read."""
         left = int(self._left)
         if left < 1:

@@ -33,7 +33,7 @@ from micropython import const
 
 from passo.ports.rp2 import clock
 from passo.ports.rp2.flash_files import BLOCK, IOCTL_COUNT, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
-from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, look, move, shorten, take
+from passo.ports.rp2.flash_names import KNOWN_BYTES, learn, limit_next_table, look, move, shorten, take
 
 code = None  # see begin()
 _COLLECT = const(72_000)  # bytes taken on a board with a radio until garbage is collected: see begin()
@@ -63,7 +63,7 @@ _BYTECODE = const(2)
 _NATIVE = const(3)
 
 
-def _made():
+def _new_function():
     """A new function, to be given other code."""
 
     def function():
@@ -198,10 +198,10 @@ class FlashCode:
         """
         name = self._path[:-4].replace("/", ".")
         module = sys.modules[name[:-9] if name.endswith(".__init__") else name]
-        function = _made()
+        function = _new_function()
         if self._names:
             learn(self._addresses[0], self._names, mem32[id(module) + _NUMBERS], self._known)
-        bound(self._known)
+        limit_next_table(self._known)
         self._point(function, module)
         self._point_texts(mem32[id(module) + _CONSTANTS])
         self._file = self._rows = None
@@ -255,18 +255,18 @@ class FlashCode:
         return addressof(raw)
 
     def _try(self, path):
-        """Raises Unknown unless _made() is as it is expected, and a function made of its file runs."""
+        """Raises Unknown unless _new_function() is as it is expected, and a function made of its file runs."""
         module = sys.modules[__name__]
         self.open(path)
         if self._file is None:
             raise Unknown("flash_code.mpy has no table")
-        made = _made()
-        self._at = outer = self._find(_word(id(_made) + _CODE))
-        raw = _word(_word(id(_made) + _CHILDREN))
+        made = _new_function()
+        self._at = outer = self._find(_word(id(_new_function) + _CODE))
+        raw = _word(_word(id(_new_function) + _CHILDREN))
         if (
             not outer
-            or _word(id(_made)) != id(type(_made))
-            or _word(id(_made) + _MODULE) != id(module)
+            or _word(id(_new_function)) != id(type(_new_function))
+            or _word(id(_new_function) + _MODULE) != id(module)
             or _word(raw) != _BYTECODE << _KIND_SHIFT
             or _word(raw + 4) != _word(id(made) + _CODE)
             or _word(id(made) + _MODULE) != id(module)

@@ -14,7 +14,7 @@ name's text in flash, where its hash says, and behind all of them their numbers.
 It copies the texts of new names one behind the other into a piece of memory, 14 kB for a router. `learn` lets a name's text be the one
 in flash, and the piece end where it did before the module was loaded: few stay.
 
-    bound(known)                            # the next table has few entries
+    limit_next_table(known)                            # the next table has few entries
 
 It makes tables one after the other, each twice as long as the one before: the last one may be empty but for a few names, 7 kB. Of
 MicroPython 1.26 to 1.29 is known (py/qstr.h, py/mpstate.h):
@@ -271,7 +271,7 @@ def move(known: ptr32, begin: int, target: int) -> int:
 
 
 @micropython.viper
-def bound(known: ptr32):
+def limit_next_table(known: ptr32):
     """If the newest table is nearly full, let it look full, and short: the next one has twice as many entries as it says of itself."""
     if known[_TABLES]:
         newest = ptr32(known[_TABLES])[_NEWEST]

@@ -24,7 +24,7 @@ from passo.ports.rp2.fields import *
 from passo.ports.rp2.pio_player import STUCK, PioPlayer, append
 from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import *
-from passo.steps.power import scaled
+from passo.steps.power import scale
 
 _RUN_BITS = const(7)  # 12 000 dots a second are 126 runs in 10.5 ms
 _TABLE = const(512)  # bytes: one number for each run
@@ -71,7 +71,7 @@ class LaserPlayer(PioPlayer):
         state = self._state
         told = (self._laser[_MARK] - self._power.marks[POWER_TAIL]) & COUNT_MASK  # marks that D has, and nobody has taken up yet
         coming = level and 0 < told < COUNT_HALF
-        if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.played() and not coming:
+        if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.words_played() and not coming:
             _show(state, self._laser, level * self._laser[_FULL] // 1000, 0)
 
     @micropython.native
@@ -98,7 +98,7 @@ def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -
         word = (head - ((head - (marked >> POWER_WORD)) & POWER_WORDS) + POWER_AHEAD) & COUNT_MASK
         if (head - word) & COUNT_MASK >= COUNT_HALF:
             break
-        value = int(scaled(power, marked & POWER_LEVEL)) * full + laser[_REST]
+        value = int(scale(power, marked & POWER_LEVEL)) * full + laser[_REST]
         duty = value // _PARTS
         if not _tell(state, laser, word, laser[_DUTY], duty):
             break
@@ -130,7 +130,7 @@ def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
     if state[PIO_PLAYING] != 1 and mark != power[POWER_HEAD]:
         marked = power[POWER_MARKS + (mark & power[POWER_MASK])]
         if ((marked >> POWER_WORD) - state[PIO_PLAYED]) & POWER_WORDS < 2:  # behind a word that only turns: so few words may be there
-            laser[_DUTY] = (int(scaled(power, marked & POWER_LEVEL)) * laser[_FULL] + (_PARTS >> 1)) // _PARTS
+            laser[_DUTY] = (int(scale(power, marked & POWER_LEVEL)) * laser[_FULL] + (_PARTS >> 1)) // _PARTS
             _show(state, laser, laser[_DUTY], state[PIO_LAST] + 1)
             mark = (mark + 1) & COUNT_MASK
     return mark

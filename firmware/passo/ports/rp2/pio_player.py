@@ -111,9 +111,9 @@ class PioPlayer:
         return _busy(self._state, self._ring.head)
 
     @micropython.native
-    def played(self):  # ISR: no allocation
+    def words_played(self):  # ISR: no allocation
         """Words whose levels have appeared on the pins, modulo 2²⁹."""
-        return _played(self._state)
+        return _words_played(self._state)
 
     def rest(self, levels):
         """Put `levels` on the pins at once. Only while not busy."""
@@ -216,7 +216,7 @@ def _count(state: ptr32) -> int:
 
 
 @micropython.viper
-def _played(state: ptr32) -> int:
+def _words_played(state: ptr32) -> int:
     if state[PIO_PLAYING] == 1:
         return int(_count(state))
     return state[PIO_PLAYED]

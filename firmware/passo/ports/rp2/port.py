@@ -18,7 +18,7 @@ from passo.ports.chip_port import FEED_NOW, FEED_LATER, ChipPort
 from passo.ports.rp2 import chip
 from passo.ports.rp2.fields import LEAD_TICKS
 from passo.ports.rp2.registers import BLOCK_CTRL
-from passo.steps.wiring import inverted_pins, muted_pins, word_pins, word_times
+from passo.steps.wiring import inversion_mask, mute_mask, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
 _LIVE_TICKS = const(8 * 12_500)
@@ -87,7 +87,7 @@ class Port(ChipPort):
         line = ChipPort.serial(self, link)
         if link["port"] != "usb" and link["baud"] > _FAST_BAUD:
             count = line.count
-            line.count = lambda: self._undisturbed(count)
+            line.count = lambda: self._count_atomically(count)
         # Frames are sent again; an inverter's answer fits into the FIFO.
         if link["port"] != "usb" and not link.get("frames") and "parity" not in link:
             from passo.ports.rp2.uart_capture import Capture
@@ -96,7 +96,7 @@ class Port(ChipPort):
         return line
 
     @micropython.viper
-    def _undisturbed(self, count) -> int:
+    def _count_atomically(self, count) -> int:
         """Call count() with the feeder's interrupt switched off, and return its result. MicroPython locks the UART's FIFO while it empties it
         to count bytes. If the feeder interrupted that, the UART's own interrupt would find the lock taken, and the FIFO would run over."""
         ptr32(0xE000E180)[0] = _TIMERS
@@ -127,7 +127,7 @@ class Port(ChipPort):
     def player(self, ring, layout, board):
         pins = word_pins(board)
         self._make_player(ring, layout, board, pins)
-        muted = muted_pins(board)
+        muted = mute_mask(board)
         for bit in range(layout.bits):
             if muted >> bit & 1:
                 chip.mute(pins[bit])
@@ -137,7 +137,7 @@ class Port(ChipPort):
         for item in self._halting:
             self.watch(item.pin, Guard(item, self).on_edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
         pulse_ticks, least = word_times(board)
-        invert = inverted_pins(board, layout)
+        invert = inversion_mask(board, layout)
         if board["player"] == "timer":
             from passo.ports.rp2.timer_player import SHORTEST_TICKS, TimerPlayer
 

@@ -25,7 +25,7 @@ class Start(start.Start):
     _code = None
     _said = ""
 
-    def loading(self):
+    def begin_loading(self):
         if start.FROZEN:
             self._said = "code in the UF2"
             gc.threshold(_COLLECT_FROZEN)
@@ -70,7 +70,7 @@ class Start(start.Start):
 
         port.load(board)
 
-    def loaded(self):
+    def finish_loading(self):
         code, self._code = self._code, None
         if code:
             code.finish()

@@ -54,7 +54,7 @@ class TimerPlayer:
             state[TIMER_INVERT] |= (invert >> bit & 1) << pins[bit]
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
         state[TIMER_FIRST] = (mem32[state[TIMER_MACHINE] + 4 * MACHINE_EXECCTRL] >> 7) & 31
-        self._entry = vectors.enter(vectors.PIO_IRQ_1, _begun, state)
+        self._entry = vectors.enter(vectors.PIO_IRQ_1, _play_and_refill, state)
         mem32[programs.PIO_0 + vectors.IRQ1_INTE] = 256
 
     def close(self):
@@ -76,7 +76,7 @@ class TimerPlayer:
     def busy(self):
         return _busy(self._state, self._ring.head)
 
-    def played(self):  # ISR: no allocation
+    def words_played(self):  # ISR: no allocation
         return self._state[TIMER_PLAYED]
 
     def rest(self, levels):
@@ -85,7 +85,7 @@ class TimerPlayer:
 
 # A word's pins are set within 2 µs (make bench ARGS=timer).
 @micropython.viper
-def _begun(state: ptr32):  # ISR: no allocation
+def _play_and_refill(state: ptr32):  # ISR: no allocation
     """Play the words that have begun, and refill the FIFO."""
     number = state[TIMER_NUMBER]
     shift = number << 3
