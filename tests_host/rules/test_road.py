@@ -71,7 +71,7 @@ AWAKE = {
     "control/stream_queue.py StreamQueue.stream",
     "control/tools.py Tools.poll_end",
     "motion/planner.py Planner.start",
-    "ports/virtual_player.py Player.played",
+    "ports/virtual_player.py Player.words_played",
 }
 # Of a block that is not behind an accelerated line: the feeder fetches it, once.
 FETCH = {
