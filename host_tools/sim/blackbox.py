@@ -134,7 +134,7 @@ class Replay(Machine):
             for axis, taken in enumerate(self._taken):
                 self._feeder.planner._taken[axis] = taken
         for axis, there in enumerate(snapshot.position):
-            queue._origin[axis] += queue.shared_position()[axis] - there
+            queue._origin[axis] += queue.position_view()[axis] - there
         queue.lead(snapshot.position)
         record.guarded = 0
         record.homed = bool(snapshot.flags & HOMED)
@@ -202,7 +202,7 @@ class Replay(Machine):
         if not self.stops:
             return False
         row = self.stops[0]
-        if list(self._queue.shared_position()) != row.position:
+        if list(self._queue.position_view()) != row.position:
             return False
         self._feeder.retire(self._player.words_played())
         return self._queue.blocks_played() >= row.value - self._count_offset()
@@ -221,7 +221,7 @@ class Replay(Machine):
             if kind != STOOD:
                 self._same_count = False
             if row.kind == kind:
-                here = list(self._queue.shared_position())
+                here = list(self._queue.position_view())
                 if here != row.position:
                     self._add_fault(_("stopped at {}, the board at {}", mm_text(self.box.board, here), mm_text(self.box.board, row.position)))
                 break

@@ -36,11 +36,11 @@ class Queue:
 
     def position(self, edge=None):
         """Return the machine's position, exact at this moment, or at the moment of `edge`, a Latch."""
-        return list(self.shared_position(edge))
+        return list(self.position_view(edge))
 
-    def shared_position(self, edge=None):
+    def position_view(self, edge=None):
         """The same in an array that is good until something asks the feeder again."""
-        return self._from_origin(self._feeder.shared_position(self._player.words_played(), edge))
+        return self._from_origin(self._feeder.position_view(self._player.words_played(), edge))
 
     def look(self, played=None):
         """Read the machine's position and state at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
@@ -61,7 +61,7 @@ class Queue:
 
     def set_origin(self, axes=-1):
         """Make this position machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
-        found = self._feeder.shared_position(self._player.words_played())
+        found = self._feeder.position_view(self._player.words_played())
         for axis in range(len(found)):
             if axes >> axis & 1:
                 self._origin[axis] = found[axis]
@@ -196,7 +196,7 @@ class Queue:
 
     def axis(self, axis, edge=None):
         """Return the position of an axis, now or at the moment of `edge`, a Latch, in steps from the place where the machine was switched on."""
-        return self._feeder.shared_position(self._player.words_played(), edge)[axis]
+        return self._feeder.position_view(self._player.words_played(), edge)[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""
@@ -216,7 +216,7 @@ class Queue:
         return self._feeder.index(self._player.words_played())
 
     def spot(self):
-        """(index in the step program under way or None, position), of one moment; the position as of shared_position()."""
+        """(index in the step program under way or None, position), of one moment; the position as of position_view()."""
         index, found = self._feeder.spot(self._player.words_played())
         return index, self._from_origin(found)
 
@@ -232,7 +232,7 @@ class Queue:
 
     def settle(self):
         """Say that the queue ends where the machine stands. Only at a stand."""
-        self.lead(self.shared_position())
+        self.lead(self.position_view())
 
     # --- stopping
 

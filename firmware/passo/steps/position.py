@@ -16,7 +16,7 @@ class Latch:
         edge = port.watch_limit("limit_x")     # None: its pin has no interrupt to spare
         edge.begin(feeder, player)              # from here on
         edge.seen                               # True once it has changed
-        feeder.shared_position(played, edge)    # where the motors stood then
+        feeder.position_view(played, edge)      # where the motors stood then
     """
 
     def __init__(self):
@@ -46,7 +46,7 @@ class Position:
         self.planner = planner
         self.drive = drive
         axes = layout.axes
-        self._found = array("i", [0] * axes)  # of the last call of shared_position()
+        self._found = array("i", [0] * axes)  # of the last call of position_view()
         self._stepping = 0
         self._stride = MARK_FIELDS + axes
         self.marks = zeros(MARKS * self._stride)
@@ -57,9 +57,9 @@ class Position:
         """Steps of each axis since power-up when `played` words have appeared on the pins: exact. If an interrupt has gone on meanwhile it
         is the position a moment later.
         """
-        return list(self.shared_position(played))
+        return list(self.position_view(played))
 
-    def shared_position(self, played, edge=None):
+    def position_view(self, played, edge=None):
         """The same in an array that is used again and again. With `edge`, a Latch, the position at its moment, exact to the step; the
         present position if more than 60 segments have been made since, or all have been dropped."""
         if edge and (self.state[FEED_NEWEST] - edge.first) & COUNT_MASK < MARKS - 2:
@@ -105,7 +105,7 @@ class Position:
         return self.drive.tally(ring.words, ring.mask, word, played, self._found)
 
     def spot(self, played):
-        """(index(played), shared_position(played)) of one moment."""
+        """(index(played), position_view(played)) of one moment."""
         index = self.index(played)
         if index is None:
             self._walk(played)

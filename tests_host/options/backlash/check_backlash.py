@@ -25,7 +25,7 @@ class Played(Machine):
         self.um = [self.random.choice((0, 3, 25, 60, 400)) for _ in range(3)]
         planner = backlash.Planner(3, {"additions": self})
         rig = Rig(axes=3, planner=planner)
-        planner.follow_motors(lambda: rig.feeder.shared_position(rig.played))
+        planner.follow_motors(lambda: rig.feeder.position_view(rig.played))
         return rig
 
     def __init__(self, seed, kind):

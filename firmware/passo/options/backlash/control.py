@@ -15,7 +15,7 @@ class Queue(StreamQueue):
 
     def _motor_positions(self):
         """Return the motors' positions at this moment, in steps; the feeder's array."""
-        return self._feeder.shared_position(self._player.words_played())
+        return self._feeder.position_view(self._player.words_played())
 
     def _ask_undisturbed(self, ask):
         """Return ask(), called while no interrupt retires blocks: the position then belongs to the block retired last."""
@@ -40,17 +40,17 @@ class Queue(StreamQueue):
         """Return the axes' positions, in steps since power-up."""
         played = self._player.words_played()
         self._feeder.retire(played)
-        return self._planner.to_axes(self._feeder.shared_position(played))
+        return self._planner.to_axes(self._feeder.position_view(played))
 
-    def shared_position(self, edge=None):
+    def position_view(self, edge=None):
         """Return the position in steps from the origin, or that at the edge which the Latch `edge` holds."""
         if edge:
-            return self._from_origin(self._planner.to_axes(self._feeder.shared_position(self._player.words_played(), edge)))
+            return self._from_origin(self._planner.to_axes(self._feeder.position_view(self._player.words_played(), edge)))
         return self._from_origin(self._ask_undisturbed(self._since_start))
 
     def axis(self, axis, edge=None):
-        """Return an axis's position in steps since power-up; `edge`: see shared_position()."""
-        return self.shared_position(edge)[axis] + self._origin[axis]
+        """Return an axis's position in steps since power-up; `edge`: see position_view()."""
+        return self.position_view(edge)[axis] + self._origin[axis]
 
     def set_origin(self, axes=-1):
         """Let the axes of a mask count from here (-1: all)."""

@@ -165,7 +165,7 @@ class Links(links.Links):
         """Write a row with the blocks retired and the position, in steps."""
         self._turn = 0  # an alarm may follow, behind which the machine sleeps soon
         at = self._add_row(kind, self._queue.blocks_played() if retired is None else retired) + 5
-        found = self._queue.shared_position()
+        found = self._queue.position_view()
         self.numbers[at : at + len(found)] = found
 
     def _take_snapshot(self):
@@ -286,7 +286,7 @@ class Links(links.Links):
     def halt(self):
         """Record where the pins have stopped, behind the reason of the stop; nothing if the same was recorded last."""
         self._catch_up()
-        here = self._note_come(), list(self._queue.shared_position())
+        here = self._note_come(), list(self._queue.position_view())
         if here != self._halted:
             self._halted = here
             self._add_position_row(HALTED)

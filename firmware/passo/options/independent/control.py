@@ -161,7 +161,7 @@ class Independent(Feature):
     def _steps_to_add(self, axis, command):
         """Return the signed steps that a jog adds to the one under way: no more than jog.ahead_ms ahead of the pins."""
         steps = command.steps[axis]
-        ahead = abs(self._queue.target[axis] - self._queue.shared_position()[axis])
+        ahead = abs(self._queue.target[axis] - self._queue.position_view()[axis])
         if not ahead:
             return steps
         over, ms = command.rates[axis]

@@ -236,7 +236,7 @@ class JobJournal(Feature):
         if at < 0 or planner.rows[at + ROW_TAG] <= self._done:
             return
         line = planner.rows[at + ROW_TAG]
-        found = list(queue.shared_position())
+        found = list(queue.position_view())
         queue.retire()
         if at != planner.row():  # another block has begun meanwhile
             return
@@ -250,7 +250,7 @@ class JobJournal(Feature):
 
     def _sample_position(self):
         """Take the position, in steps."""
-        self._position[: self._axes] = list(self._queue.shared_position())
+        self._position[: self._axes] = list(self._queue.position_view())
 
     def _note_stand(self, count):
         """Note that `count` blocks have been played to a stand: if the last that moved is of the job, its line is done."""

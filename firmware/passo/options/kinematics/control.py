@@ -71,12 +71,12 @@ class Queue(StreamQueue):
         return self._turn_to_axes(found, self._found)
 
     def axis(self, axis, edge=None):
-        """Return an axis's position in steps since power-up; `edge`: see shared_position()."""
-        return self.shared_position(edge)[axis] + self._zero[axis]
+        """Return an axis's position in steps since power-up; `edge`: see position_view()."""
+        return self.position_view(edge)[axis] + self._zero[axis]
 
     def set_origin(self, axes=-1):
         """Let the axes of a mask count from here (-1: all)."""
-        found = self.shared_position()
+        found = self.position_view()
         for axis in range(len(found)):
             if axes >> axis & 1:
                 self._zero[axis] += found[axis]

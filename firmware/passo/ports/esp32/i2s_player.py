@@ -2,7 +2,7 @@
 times a second, by DMA. Neither garbage collection nor Wi-Fi moves an edge.
 
     ring ─► make() ─► block of 256 frames ─► the driver's 16 blocks ─► SER of the registers; WS latches them
-                                                                       └─► PCNT counts frames: played()
+                                                                       └─► PCNT counts frames: words_played()
 
 Frames: 16-bit stereo, both halves the same 16 bits, so that their order in memory does not matter. I2S (Philips) sends bits one
 clock behind WS, whose rising edge is the registers' latch: it finds bits 15 … 1 of the left half in the first 15
