@@ -62,7 +62,7 @@ CYCLE = {
 }
 # The further work of a cycle while the machine is awake.
 AWAKE = {
-    "control/controller.py Controller._work",
+    "control/controller.py Controller._run_cycle",
     "control/motors.py Motors.poll",
     "control/motors.py Motors.ready",
     "control/program.py Program.poll_end",

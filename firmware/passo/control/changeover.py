@@ -26,10 +26,10 @@ class Changeover(Feature):
         self.ours = False
         self._made = True  # the outputs wanted are on
         self._due_ms = None  # when the next phase begins
-        self._switch(False)
+        self._begin_switch(False)
 
     def handlers(self):
-        return {commands.CONNECT: self._connect}
+        return {commands.CONNECT: self._connect_motors}
 
     def report(self, report):
         report["ours"] = self.ours
@@ -37,13 +37,13 @@ class Changeover(Feature):
     def ready(self):
         """True when steps may go out; asked when there are some."""
         if self._by_motion and self._relays and not self.ours and not self._machine.alarm and not self._machine.sleeping:
-            self._switch(True)
+            self._begin_switch(True)
         return self._due_ms is None
 
     def on_events(self, _=SAFE):
         """To the other controller, at once as far as this board's relays go: the safe state."""
         if self.ours:
-            self._switch(False)
+            self._begin_switch(False)
 
     def poll(self, now_ms):
         machine = self._machine
@@ -58,10 +58,10 @@ class Changeover(Feature):
             self._due_ms = None
             return
         self._made = True
-        self._put(self._ours if self.ours else self._theirs, True)
-        self._wait()
+        self._set_outputs(self._ours if self.ours else self._theirs, True)
+        self._start_wait()
 
-    def _connect(self, command):
+    def _connect_motors(self, command):
         machine = self._machine
         ours = bool(command.value)
         if ours and (machine.alarm not in errors.WATCHED or machine.sleeping):
@@ -69,23 +69,23 @@ class Changeover(Feature):
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         if ours != self.ours:
-            self._switch(ours)
+            self._begin_switch(ours)
         return machine.confirm_command(command)
 
-    def _switch(self, ours):
+    def _begin_switch(self, ours):
         """Break; poll() makes."""
         self.ours = ours
         self._machine.detached = self._relays and not ours and not self._by_motion
         if self._relays and not ours:
             self._machine.lose_position()
         self._made = False
-        self._put(self._ours + self._theirs, False)
-        self._wait()
+        self._set_outputs(self._ours + self._theirs, False)
+        self._start_wait()
 
-    def _put(self, names, on):
+    def _set_outputs(self, names, on):
         for name in names:
             self._port.output(name, on)
 
-    def _wait(self):
+    def _start_wait(self):
         if self._relays:
             self._due_ms = (self._port.machine_ms() + self._pause_ms) & COUNT_MASK

@@ -36,11 +36,11 @@ class Controller:
             self.features[name] = kind(board, machine, queue)
             features.append(self.features[name])
         machine.handlers.update({
-            commands.BAD: self._refuse,
+            commands.BAD: self._refuse_bad,
             commands.HELLO: machine.confirm_command,
-            commands.HOME: self._home,  # but for a machine with the feature
-            commands.STOP: self._stop,
-            commands.SETTING: self._setting,
+            commands.HOME: self._refuse_homing,  # but for a machine with the feature
+            commands.STOP: self._stop_now,
+            commands.SETTING: self._answer_setting,
         })  # fmt: skip
         machine.join(features)
         self._looks = overriding(features, "look")  # here, and not at each cycle: to fetch a method takes memory
@@ -101,7 +101,7 @@ class Controller:
             return 0
         self.machine.awake = True
         link = command.link
-        if link is None or link.number == self.machine.commander or command.kind in OF_ANY_LINK or self._may(command):
+        if link is None or link.number == self.machine.commander or command.kind in OF_ANY_LINK or self._may_command(command):
             handler = self.machine.handlers.get(command.kind)
             result = handler(command) if handler else errors.UNKNOWN_COMMAND
         else:
@@ -110,7 +110,7 @@ class Controller:
             self.refuse(command, result)
         return result
 
-    def _may(self, command):
+    def _may_command(self, command):
         """True if a link that does not command may say this: it has started a stored job, or asks for the journal or a setting."""
         if command.link.number == self.machine.lender and command.kind in _OF_LENDER:
             return True
@@ -145,9 +145,9 @@ class Controller:
             look(now_ms)
         machine = self.machine
         if machine.awake or self._version != machine.settings.version:
-            self._work(machine, now_ms)
+            self._run_cycle(machine, now_ms)
 
-    def _work(self, machine, now_ms):
+    def _run_cycle(self, machine, now_ms):
         """Do a cycle's work while the machine is awake. It stays so until nobody has more to do."""
         machine.awake = False
         if self._version != machine.settings.version:
@@ -174,7 +174,7 @@ class Controller:
             machine.jogging = False
             if kind == commands.STOP:
                 machine.finish(machine.report())
-            self._stand(now_ms)
+            self._save_settings(now_ms)
         else:
             self._stood_ms = -1
             if machine.cautious and not machine.alarm and kind != commands.HOME:
@@ -188,7 +188,7 @@ class Controller:
         ):  # fmt: skip
             machine.awake = True
 
-    def _stand(self, now_ms):
+    def _save_settings(self, now_ms):
         machine = self.machine
         settings = machine.settings
         if self._stood_ms < 0:
@@ -214,13 +214,13 @@ class Controller:
 
     # --- commands
 
-    def _refuse(self, command):
+    def _refuse_bad(self, command):
         return command.error
 
-    def _home(self, command):
+    def _refuse_homing(self, command):
         return errors.NO_HOMING
 
-    def _setting(self, command):
+    def _answer_setting(self, command):
         """Tell a setting, (number, value, decimals), or the numbers of all; change it first, if that is asked for."""
         machine = self.machine
         number, value = command.target, command.value
@@ -239,7 +239,7 @@ class Controller:
                 return error
         return machine.confirm_command(command, (number, machine.settings.value(number), places))
 
-    def _stop(self, command):
+    def _stop_now(self, command):
         machine = self.machine
         if machine.busy_with(commands.STOP):
             machine.finish(machine.report())

@@ -36,9 +36,9 @@ class Drawing(Feature):
     def handlers(self):
         return {
             commands.SPEED: self._set_speed,
-            commands.POINT: self._point,
-            commands.DRAW: self._draw,
-            commands.JOG: self._jog,
+            commands.POINT: self._store_point,
+            commands.DRAW: self._draw_object,
+            commands.JOG: self._queue_jog,
         }
 
     def on_events(self, what):
@@ -65,7 +65,7 @@ class Drawing(Feature):
         self._speed = command.value
         return self._machine.confirm_command(command)
 
-    def _point(self, command):
+    def _store_point(self, command):
         machine = self._machine
         refusal = machine.unready()
         if refusal:
@@ -77,12 +77,12 @@ class Drawing(Feature):
         if not self.points.free():
             machine.drawing = not machine.jogging
             return LATER
-        self._begin()
+        self._begin_object()
         x, y = command.target
         self.points.put(x, y, command.tool)
         return machine.confirm_command(command)
 
-    def _begin(self):
+    def _begin_object(self):
         """The next point may be the first of an object."""
         machine = self._machine
         if not self.points.count and not machine.drawing:
@@ -115,7 +115,7 @@ class Drawing(Feature):
         count = batch.count
         points = self.points
         if not points.count:
-            self._begin()
+            self._begin_object()
         points.count += count
         batch.offset += POINT_BYTES * count
         batch.room -= count
@@ -126,7 +126,7 @@ class Drawing(Feature):
     def close(self, batch):
         batch.begun = False  # nothing moves by a point
 
-    def _draw(self, command):
+    def _draw_object(self, command):
         machine = self._machine
         refusal = machine.unready()
         if refusal:
@@ -137,7 +137,7 @@ class Drawing(Feature):
         machine.drawing = True
         return 0
 
-    def _jog(self, command):
+    def _queue_jog(self, command):
         machine = self._machine
         refusal = machine.unready()
         if refusal:
@@ -146,7 +146,7 @@ class Drawing(Feature):
             return errors.BUSY
         queue = self._queue
         if machine.jogging:
-            ahead = self._ticks([to - at for to, at in zip(queue.target, queue.position())])  # jogs make one line, nearly
+            ahead = self._line_ticks([to - at for to, at in zip(queue.target, queue.position())])  # jogs make one line, nearly
             if ahead > self._board["jog"]["ahead_ms"] * TICKS_PER_MS:
                 return LATER
         steps = machine.settings.jog_steps
@@ -162,7 +162,7 @@ class Drawing(Feature):
         if not queue.room():
             return LATER
         machine.jogging = True
-        queue.line(target, self._ticks, queue.tool, 0)
+        queue.line(target, self._line_ticks, queue.tool, 0)
         queue.flush()
         return machine.confirm_command(command)
 
@@ -176,7 +176,7 @@ class Drawing(Feature):
         while self.points.count and queue.room() >= _BLOCKS_A_POINT:
             x, y, tool = self.points.take()
             self._taken += 1
-            queue.line((x, y), self._ticks, tool, self._job.counted + self._taken)
+            queue.line((x, y), self._line_ticks, tool, self._job.counted + self._taken)
         if not self.points.count:
             if machine.command is not None and queue.room():
                 queue.lift()
@@ -208,7 +208,7 @@ class Drawing(Feature):
             return self._taken
         return max(tag - 1 - self._job.counted, self.drawn)
 
-    def _ticks(self, deltas):
+    def _line_ticks(self, deltas):
         """How long the line lasts at the speed set, in the board file's sense of speed."""
         speed = self._board["speed"]
         if speed["unit"] == "half_period_us":

@@ -23,7 +23,7 @@ BY_HAND = const(128)  # a jog begins
 REFUSAL = const(256)  # a line of the link that commands is refused
 
 
-def _nothing(self, _=None):
+def _do_nothing(self, _=None):
     """Also an answer: no, none."""
 
 
@@ -32,34 +32,34 @@ class Feature:
         self._machine = machine
         self._queue = queue
 
-    handlers = _nothing  # handlers(): {kind of command: handler}; a handler returns as Controller.accept()
-    guard = _nothing  # guard(handlers): all features' are in `handlers`; put your own before those of others
-    batches = _nothing  # batches(): {kind of batch: (open, accept, close)}: see Controller.batches()
+    handlers = _do_nothing  # handlers(): {kind of command: handler}; a handler returns as Controller.accept()
+    guard = _do_nothing  # guard(handlers): all features' are in `handlers`; put your own before those of others
+    batches = _do_nothing  # batches(): {kind of batch: (open, accept, close)}: see Controller.batches()
 
     # Once a cycle of the main loop:
-    look = _nothing  # look(now_ms): look at what comes from outside, whatever the machine does: inputs, encoders
-    poll = _nothing  # poll(now_ms), only while the machine is awake: go on with the work; sets `machine.awake` if there will be more of it
-    poll_command = _nothing  # poll_command(now_ms): the same, while a long command is under way
-    poll_hold = _nothing  # poll_hold(), behind poll(): the same, while a hold or what drops the rest is on its way or stands
-    poll_end = _nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays
+    look = _do_nothing  # look(now_ms): look at what comes from outside, whatever the machine does: inputs, encoders
+    poll = _do_nothing  # poll(now_ms), only while the machine is awake: go on with the work; sets `machine.awake` if there will be more of it
+    poll_command = _do_nothing  # poll_command(now_ms): the same, while a long command is under way
+    poll_hold = _do_nothing  # poll_hold(), behind poll(): the same, while a hold or what drops the rest is on its way or stands
+    poll_end = _do_nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays
 
     # Questions:
-    owns_axes = _nothing  # owns_axes(): True while the axes are this feature's alone
-    is_held = _nothing  # is_held(): True if it stands in the middle of its work, until somebody says what next
-    may_change = _nothing  # may_change(): True while what is under way may change at any moment: few words should lie ahead
-    ready = _nothing  # ready(): True if words may be played; only a feature that overrides it has a say
-    busy = _nothing  # busy(): True while it is about to move, though nothing is queued
-    report = _nothing  # report(report): adds to a status report
-    on_status_request = _nothing  # on_status_request(link): `link` has asked for the status
+    owns_axes = _do_nothing  # owns_axes(): True while the axes are this feature's alone
+    is_held = _do_nothing  # is_held(): True if it stands in the middle of its work, until somebody says what next
+    may_change = _do_nothing  # may_change(): True while what is under way may change at any moment: few words should lie ahead
+    ready = _do_nothing  # ready(): True if words may be played; only a feature that overrides it has a say
+    busy = _do_nothing  # busy(): True while it is about to move, though nothing is queued
+    report = _do_nothing  # report(report): adds to a status report
+    on_status_request = _do_nothing  # on_status_request(link): `link` has asked for the status
 
     # Events:
-    claim_stop = _nothing  # claim_stop(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
-    halt = _nothing  # halt(): the pins have stopped; the queue is dropped next
+    claim_stop = _do_nothing  # claim_stop(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
+    halt = _do_nothing  # halt(): the pins have stopped; the queue is dropped next
     event_mask = 0  # of the masks above: those that on_events() is for
-    on_events = _nothing  # on_events(what): all events of one moment, as masks
-    show_outputs = _nothing  # show_outputs(on): False: the door holds the machine; True: it goes on
+    on_events = _do_nothing  # on_events(what): all events of one moment, as masks
+    show_outputs = _do_nothing  # show_outputs(on): False: the door holds the machine; True: it goes on
 
 
 def overriding(features, name):
     """The methods `name` of those features whose class has its own, in order."""
-    return tuple([getattr(feature, name) for feature in features if getattr(type(feature), name) is not _nothing])
+    return tuple([getattr(feature, name) for feature in features if getattr(type(feature), name) is not _do_nothing])

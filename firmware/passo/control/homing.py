@@ -64,7 +64,7 @@ class Homing(Feature):
         self._unhomed = None  # letters of the axes that are not homed, and the mask that they are of
         self._unhomed_of = -1
         self._groups = []  # of seekers; those of a group home at once
-        self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
+        self._phases = (self._leave_sensor, self._seek_sensor, self._pull_off, self._locate_edge, self._pull_off)
         self._stage = 0
         self._quality = None
         if self._config["latch"]:
@@ -73,21 +73,21 @@ class Homing(Feature):
             self._quality = Quality()
 
     def handlers(self):
-        return {commands.HOME: self._home}
+        return {commands.HOME: self._begin_homing}
 
     def report(self, report):
         machine = self._machine
         if machine.known != self._unhomed_of:
             self._unhomed_of = machine.known
-            self._unhomed = self._letters() or None
+            self._unhomed = self._unhomed_letters() or None
         report["unhomed"] = self._unhomed if machine.known or machine.settings.value(table.HOMING) else None
 
-    def _letters(self):
+    def _unhomed_letters(self):
         """Of the axes that have a sensor and are not homed."""
         left = self._all & ~self._machine.known
         return "".join([self._axes[axis]["name"].upper() for axis in range(len(self._axes)) if left >> axis & 1])
 
-    def _home(self, command):
+    def _begin_homing(self, command):
         machine = self._machine
         if machine.alarm in errors.NEED_RESET:
             return errors.LOCKED
@@ -120,15 +120,15 @@ class Homing(Feature):
         if self._lifting:
             self._lifting = not self._queue.still()
             if not self._lifting:
-                self._begin(now_ms)
+                self._begin_search(now_ms)
             return
         result = self._go_on(now_ms)
         if result == 0:
-            self._end(now_ms)
+            self._end_run(now_ms)
         elif result != _ON_ITS_WAY:
             machine.homing_failed(result)
 
-    def _end(self, now_ms):
+    def _end_run(self, now_ms):
         """Every axis asked for stands at its origin."""
         machine = self._machine
         homed = machine.command.value
@@ -137,26 +137,26 @@ class Homing(Feature):
         again = self._quality and self._quality.again(self._groups)
         self._queue.set_origin(homed or -1)
         if again:
-            self._begin(now_ms)
+            self._begin_search(now_ms)
             return
         machine.known |= homed or self._all
         machine.homed = machine.known == self._all
         if not machine.homed:
-            machine.require_homing(" ".join(self._letters()))
+            machine.require_homing(" ".join(self._unhomed_letters()))
         machine.finish(self._quality and self._quality.report())
 
-    def _sensors(self, number):
+    def _make_sensors(self, number):
         names = [self._config["sensors"][self._axes[number]["name"]]]
         squaring = self._machine.squaring
         if squaring and squaring.axis == number:
             names.append(squaring.sensor)
-        return [self._sensor(name, number) for name in names]
+        return [self._make_sensor(name, number) for name in names]
 
-    def _sensor(self, name, axis, kind=Sensor):
+    def _make_sensor(self, name, axis, kind=Sensor):
         read = self._machine.inputs.read
         return kind(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
 
-    def _begin(self, now_ms):
+    def _begin_search(self, now_ms):
         """Begin, with the settings as they are now."""
         squaring = self._machine.squaring
         if squaring:
@@ -166,19 +166,19 @@ class Homing(Feature):
         mask = self._machine.command.value or self._all
         groups = order.split() if " " in order else [[name] for name in order]
         groups = [[names.index(name) for name in group if mask >> names.index(name) & 1] for group in groups]
-        self._groups = [[self._seeker(number) for number in group] for group in groups if group]
+        self._groups = [[self._make_seeker(number) for number in group] for group in groups if group]
         self._stage = 0
         self._now_ms = now_ms
-        self._enter()
+        self._enter_phase()
 
-    def _seeker(self, number):
+    def _make_seeker(self, number):
         axis = self._axes[number]
         name = axis["name"]
         away = -1 if name in self._config["high_end"] else 1
         values = self._machine.settings.homing(number)
         distance = axis["travel_steps"] + 2 * max(axis["travel_steps"] // 10, 5 * values[2])
         distance = self._config["each"].get(name, {}).get("distance_steps", distance)
-        return Seeker(number, self._queue.axis(number), self._sensors(number), away, values, distance)
+        return Seeker(number, self._queue.axis(number), self._make_sensors(number), away, values, distance)
 
     def _go_on(self, now_ms):
         """_ON_ITS_WAY, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
@@ -197,7 +197,7 @@ class Homing(Feature):
         if ended and not still:
             self._machine.abort()
         if ended and left:
-            self._go(left)  # the others go on
+            self._move_seekers(left)  # the others go on
             return _ON_ITS_WAY
         if not ended and left:
             if not still or pending:
@@ -208,10 +208,10 @@ class Homing(Feature):
         self._stage += 1
         if self._stage == len(self._groups) * len(self._phases):
             return 0
-        self._enter()
+        self._enter_phase()
         return _ON_ITS_WAY
 
-    def _enter(self):
+    def _enter_phase(self):
         group = self._groups[self._stage // len(self._phases)]
         phase = self._stage % len(self._phases)
         if phase == 0:
@@ -221,7 +221,7 @@ class Homing(Feature):
         for seeker in group:
             seeker.done = False
             self._phases[phase](seeker)
-        self._go([seeker for seeker in group if not seeker.done])
+        self._move_seekers([seeker for seeker in group if not seeker.done])
 
     def until(self, active, alarm=errors.ALARM_SENSOR_STUCK, sensor=None):
         """The phase ends as any sensor, or `sensor`, is `active` (None: only at the way's end, with the sensors free); `alarm` is
@@ -232,12 +232,12 @@ class Homing(Feature):
 
     # A phase gives a seeker its longest way, and the event that ends it.
 
-    def _leave(self, seeker):
+    def _leave_sensor(self, seeker):
         self.until(False)
         limit = max(self._axes[seeker.axis]["travel_steps"] // 10, 5 * seeker.pull_off_steps)
         self.way(seeker, 0 if seeker.has_reached(False) else limit, seeker.seek_steps_s)
 
-    def _seek(self, seeker):
+    def _seek_sensor(self, seeker):
         self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -seeker.distance, seeker.seek_steps_s)
 
@@ -246,7 +246,7 @@ class Homing(Feature):
         seeker.keep(seeker.tripped)
         self.way(seeker, seeker.pull_off_steps - self.steps_from_edge(seeker, seeker.tripped), seeker.seek_steps_s)
 
-    def _locate(self, seeker):
+    def _locate_edge(self, seeker):
         self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -3 * seeker.pull_off_steps, seeker.locate_steps_s)
 
@@ -259,6 +259,6 @@ class Homing(Feature):
         seeker.goal = self._queue.axis(seeker.axis) + steps * seeker.away
         seeker.steps_s = steps_s
 
-    def _go(self, seekers):
+    def _move_seekers(self, seekers):
         """Set out on what is left of their ways."""
         self._queue.travel([(seeker.axis, seeker.goal - self._queue.axis(seeker.axis), seeker.steps_s) for seeker in seekers])

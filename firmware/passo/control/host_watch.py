@@ -69,9 +69,9 @@ class HostWatch(Feature):
             self._number = number
         if self._works:
             machine.awake = True
-            self._listen(line, worked)
+            self._check_host(line, worked)
 
-    def _listen(self, line, worked):
+    def _check_host(self, line, worked):
         """Act if the host of the link that commands is lost. `line`: its line; `worked`: its work was already under way in the last cycle."""
         now_ms = self._machine.port.link_ms()
         if not worked:

@@ -86,7 +86,7 @@ class LineBatches(Feature):
                 self._travel = [low for low, _ in ends], [high for _, high in ends]
         return self._travel if machine.homed else None
 
-    def _inside(self, target):
+    def _is_within_travel(self, target):
         """True if `target` is within the travel, or no travel limits hold."""
         reach = self.reach()
         if reach:
@@ -95,13 +95,13 @@ class LineBatches(Feature):
                     return False
         return True
 
-    def _reachable(self, command):
-        if not self._inside(command.target):
+    def _can_reach(self, command):
+        if not self._is_within_travel(command.target):
             return False
         if command.kind != commands.ARC or not self.reach():
             return True
         for position in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
-            if not self._inside(position):
+            if not self._is_within_travel(position):
                 return False
         return True
 
@@ -134,7 +134,7 @@ class LineBatches(Feature):
         # as reach() says, without the call: each cycle with lines opens a batch, and `?` waits for it
         reach = self.reach() if self._travel_of != machine.settings.version else self._travel if machine.homed else None
         if self._reached is not reach:
-            self._take_over(reach)
+            self._set_trace_range(reach)
         if self._arrays is not planner.arrays:
             self._arrays = planner.arrays
             self._taker = (self._trace, queue_lines, queue.target) + self._arrays
@@ -150,7 +150,7 @@ class LineBatches(Feature):
         batch.begun = True
         return True
 
-    def _take_over(self, reach):
+    def _set_trace_range(self, reach):
         """The positions that a batch may lead to."""
         self._reached = reach
         at = self._trace
@@ -181,7 +181,7 @@ class LineBatches(Feature):
         machine = self._machine
         queue = self._queue
         planner = self._planner
-        if not room(planner.indices) or batch.reach is not None and not self._reachable(command):
+        if not room(planner.indices) or batch.reach is not None and not self._can_reach(command):
             return False
         if planner.power != power or planner.dynamic != command.dynamic:
             planner.set_power(power, command.dynamic)

@@ -32,11 +32,11 @@ class Log:
     @property
     def entries(self):
         """[(machine milliseconds, number, who)], the oldest first, 32 at most."""
-        return [self._entry(count % _SIZE) for count in range(max(self.count - _SIZE, 0), self.count)]
+        return [self._entry_at(count % _SIZE) for count in range(max(self.count - _SIZE, 0), self.count)]
 
     def newest(self):
         """The last entry; only if `count` is above 0."""
-        return self._entry((self.count - 1) % _SIZE)
+        return self._entry_at((self.count - 1) % _SIZE)
 
-    def _entry(self, index):
+    def _entry_at(self, index):
         return self._numbers[2 * index], self._numbers[2 * index + 1], self._who[index]

@@ -38,15 +38,15 @@ class Motors:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
                 self._ready_ms = now_ms + (self._wake_ms if self.state == RELEASED else 0)
-                self._set(RUNNING)
+                self._set_state(RUNNING)
             return self.state != RUNNING
         self._tool = tool
         idle_ms = (now_ms - self._since_ms) & COUNT_MASK
         if self.state == RUNNING and idle_ms >= self._hold_ms:
-            self._set(HOLDING)
+            self._set_state(HOLDING)
         release_ms = self._board["idle_release_ms"]
         if self.state == HOLDING and release_ms and idle_ms >= release_ms:
-            self._set(RELEASED)
+            self._set_state(RELEASED)
         return self.state == RUNNING or self.state == HOLDING and release_ms > 0
 
     def ready(self):
@@ -69,7 +69,7 @@ class Motors:
         if self._drive is not None:
             self._drive.cut_current(axes)
         if axes and self.state != RELEASED:
-            self._set(RELEASED)
+            self._set_state(RELEASED)
 
     def drives(self, on):
         """The motors' current on until it is switched off, or off now."""
@@ -80,9 +80,9 @@ class Motors:
     def release(self):
         """No current, and the tool off, at once: the safe state."""
         self._tool = False
-        self._set(RELEASED)
+        self._set_state(RELEASED)
 
-    def _set(self, state):
+    def _set_state(self, state):
         self.state = state
         for name in self._enable:
             self._port.output(name, (state != RELEASED) != self._enable_inverted)

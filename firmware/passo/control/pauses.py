@@ -16,27 +16,27 @@ class Pauses(Feature):
 
     def handlers(self):
         return {
-            commands.HOLD: self._hold,
-            commands.RESUME: self._resume,
-            commands.DOOR: self._door,
+            commands.HOLD: self._feed_hold,
+            commands.RESUME: self._resume_motion,
+            commands.DOOR: self._handle_door,
             commands.JOG_CANCEL: self._cancel_jog,
-            commands.TOGGLE: self._toggle,
-            commands.PAUSE: self._pause,
+            commands.TOGGLE: self._toggle_output,
+            commands.PAUSE: self._pause_program,
         }
 
     # --- commands
 
-    def _hold(self, command):
+    def _feed_hold(self, command):
         machine = self._machine
         if machine.jogging:
             return self._cancel_jog(command)
         if machine.resuming:
-            self._stop(machine.hold)
+            self._begin_hold(machine.hold)
         elif machine.state in ("idle", "run"):
-            self._stop("hold")
+            self._begin_hold("hold")
         return machine.confirm_command(command)
 
-    def _door(self, command):
+    def _handle_door(self, command):
         """As grbl: an alarm and check mode take no notice of the door, and homing ends with an alarm that says it."""
         machine = self._machine
         if machine.busy_with(commands.HOME):
@@ -48,10 +48,10 @@ class Pauses(Feature):
         if state in ("idle", "run", "hold", "jog", "door"):
             if machine.jogging:
                 machine.drop_at_stand()
-            self._stop("door")
+            self._begin_hold("door")
         return machine.confirm_command(command)
 
-    def _pause(self, command):
+    def _pause_program(self, command):
         """The operator's pause: at a stand already."""
         machine = self._machine
         result = machine.gate()
@@ -64,10 +64,10 @@ class Pauses(Feature):
             machine.notice(errors.NOTICE_TOOL, command.value - 1)
         else:
             machine.notice(errors.NOTICE_PAUSE)
-        self._stop("hold")
+        self._begin_hold("hold")
         return 0
 
-    def _stop(self, kind):
+    def _begin_hold(self, kind):
         machine = self._machine
         if not machine.hold:
             self._was_lit = False
@@ -76,23 +76,23 @@ class Pauses(Feature):
         machine.stood = machine.resuming = False
         self._queue.hold(True)
 
-    def _laser(self):
+    def _is_laser(self):
         return self._machine.settings.value(LASER)
 
-    def _light(self):
+    def _light_tool(self):
         """Switch the tool on again at a stand."""
         if self._machine.gauge:
             self._machine.gauge.expect(True)
         self._queue.rest(True)
-        self._wait(max(self._queue.tool_ms(True), 0 if self._laser() else self._spindle["spin_up_ms"]))
+        self._delay_resume(max(self._queue.tool_ms(True), 0 if self._is_laser() else self._spindle["spin_up_ms"]))
 
-    def _wait(self, ms):
+    def _delay_resume(self, ms):
         """Do not go on before `ms` milliseconds from now; the longest wait counts."""
         ready_ms = self._port.machine_ms() + ms & COUNT_MASK
         if ms and (self._ready_ms is None or (ready_ms - self._ready_ms) & COUNT_MASK < COUNT_MASK // 2):
             self._ready_ms = ready_ms
 
-    def _resume(self, command):
+    def _resume_motion(self, command):
         machine = self._machine
         ready = machine.stood and not machine.resuming and not machine.alarm
         if ready and not (machine.hold == "door" and machine.inputs.door_open()):
@@ -104,15 +104,15 @@ class Pauses(Feature):
         machine = self._machine
         if machine.hold == "door":
             machine.show_outputs(True)
-            self._wait(self._spindle["coolant_ms"] if machine.coolant else 0)
-        if not self._laser():  # a laser would burn while the coolant comes
-            self._restore()
+            self._delay_resume(self._spindle["coolant_ms"] if machine.coolant else 0)
+        if not self._is_laser():  # a laser would burn while the coolant comes
+            self._restore_tool()
 
-    def _restore(self):
+    def _restore_tool(self):
         if self._was_lit and not self._queue.lit():
-            if self._machine.hold == "hold" and not self._laser():
+            if self._machine.hold == "hold" and not self._is_laser():
                 self._machine.notice(errors.NOTICE_SPINDLE)
-            self._light()
+            self._light_tool()
 
     def _cancel_jog(self, command):
         machine = self._machine
@@ -120,18 +120,18 @@ class Pauses(Feature):
             machine.drop_at_stand()
         return machine.confirm_command(command)
 
-    def _toggle(self, command):
+    def _toggle_output(self, command):
         machine = self._machine
         if command.value == commands.SPINDLE_STOP:
             at_stand = machine.hold == "hold" and machine.stood and not machine.resuming
-            if at_stand and self._was_lit and not self._laser():
+            if at_stand and self._was_lit and not self._is_laser():
                 if self._queue.lit():
                     self._queue.rest(False)
                 else:
-                    self._restore()
+                    self._restore_tool()
         elif machine.state in ("idle", "run", "hold", "jog"):
             if machine.hold and not machine.coolant & command.value:
-                self._wait(self._spindle["coolant_ms"])
+                self._delay_resume(self._spindle["coolant_ms"])
             machine.coolant ^= command.value
             machine.show_outputs(machine.hold != "door")
         return machine.confirm_command(command)
@@ -149,23 +149,23 @@ class Pauses(Feature):
             if (machine.alarm in errors.NEED_RESET or machine.alarm >= errors.ALARM_INVERTER_SILENT) and not machine.retracts:
                 machine.inform(OFF)
             if kind == "door":
-                self._stop(kind)
+                self._begin_hold(kind)
         elif not machine.stood:
-            self._stand()
+            self._begin_stand()
         elif self._ready_ms is not None:
             if (self._port.machine_ms() - self._ready_ms) & COUNT_MASK < COUNT_MASK // 2:
                 self._ready_ms = None
         elif machine.resuming:
-            self._restore()
+            self._restore_tool()
             if self._ready_ms is None and (machine.is_at_speed() or not self._queue.lit()):
                 self._go_on()
 
-    def _stand(self):
+    def _begin_stand(self):
         machine = self._machine
         machine.stood = True
         lit = self._queue.lit()
         self._was_lit = self._was_lit or lit
-        if lit and (machine.hold == "door" or self._laser()):
+        if lit and (machine.hold == "door" or self._is_laser()):
             self._queue.rest(False)
         if machine.hold == "door":
             machine.show_outputs(False)

@@ -21,12 +21,12 @@ class Pins(Feature):
         if levels != self._levels or self._settings_of != self._settings.version:
             self._levels = levels
             self._settings_of = self._settings.version
-            self._read(inputs.read)
+            self._read_letters(inputs.read)
         presence = self._machine.presence
         if presence:
             report["pins"] = self._text + ("N" if inputs.input(presence) else "n")
         else:
             report["pins"] = self._text
 
-    def _read(self, read):
+    def _read_letters(self, read):
         self._text = "".join([item[0] for item in self._shown if read(item[1])])

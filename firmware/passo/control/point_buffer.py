@@ -25,12 +25,12 @@ class PointBuffer:
         """How many more points there is room for; 0 also when no memory is left for the next one."""
         if self.count < self.capacity:
             try:
-                self._chunk((self._first + self.count) % self._size)
+                self._chunk_at((self._first + self.count) % self._size)
             except MemoryError:
                 return 0
         return self.capacity - self.count
 
-    def _chunk(self, index):
+    def _chunk_at(self, index):
         chunk = self._chunks[index // _CHUNK]
         if chunk is None:
             chunk = self._chunks[index // _CHUNK] = self._spare or bytearray(POINT_BYTES * _CHUNK)
@@ -40,7 +40,7 @@ class PointBuffer:
     def put(self, x, y, tool):
         """Append a point. The caller has seen that free() > 0."""
         index = (self._first + self.count) % self._size
-        data = self._chunk(index)
+        data = self._chunk_at(index)
         at = index % _CHUNK * POINT_BYTES
         data[at] = 1 if tool else 0
         data[at + 1] = x >> 8
@@ -58,13 +58,13 @@ class PointBuffer:
         index = (self._first + self.count) % self._size
         at = index % _CHUNK
         try:
-            return self._chunk(index), POINT_BYTES * at, min(room, _CHUNK - at)
+            return self._chunk_at(index), POINT_BYTES * at, min(room, _CHUNK - at)
         except MemoryError:
             return None
 
     def take(self):
         """The oldest point, as (x, y, tool); it leaves the store."""
-        data = self._chunk(self._first)
+        data = self._chunk_at(self._first)
         at = self._first % _CHUNK * POINT_BYTES
         self._first = (self._first + 1) % self._size
         self.count -= 1

@@ -42,12 +42,12 @@ class Program(LineBatches):
 
     def handlers(self):
         return {
-            commands.LINE: self._motion,
-            commands.ARC: self._motion,
-            commands.JOG_TO: self._jog,
-            commands.PROBE: self._probe,
-            commands.DWELL: self._dwell,
-            commands.SYNC: self._sync,
+            commands.LINE: self._accept_motion,
+            commands.ARC: self._accept_motion,
+            commands.JOG_TO: self._accept_jog,
+            commands.PROBE: self._begin_probe,
+            commands.DWELL: self._begin_dwell,
+            commands.SYNC: self._answer_sync,
         }
 
     def on_events(self, what):
@@ -58,32 +58,32 @@ class Program(LineBatches):
 
     # --- motion
 
-    def _motion(self, command):
-        error = self._unready(command)
+    def _accept_motion(self, command):
+        error = self._motion_error(command)
         if error:
             return error
         machine = self._machine
-        if command.kind == commands.LINE and not machine.checking and self._row(command):
+        if command.kind == commands.LINE and not machine.checking and self._queue_row(command):
             return machine.confirm_command(command)
         if command.kind != commands.LINE or machine.checking:  # of a line the planner finds out
-            error = self._too_long(command)
+            error = self._length_error(command)
             if error:
                 return error
-        if not self._reachable(command):
+        if not self._can_reach(command):
             machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
         if machine.veto is not None and machine.veto.denied:
-            if self._forbidden(command, False):  # the blocks queued before it may lead out of it
-                return self._forbidden(command) if machine.settle() else LATER
+            if self._forbidden_error(command, False):  # the blocks queued before it may lead out of it
+                return self._forbidden_error(command) if machine.settle() else LATER
         if command.dots and not self.dots[DOTS_MASK]:
             return errors.NO_MEMORY
         if command.also:
-            error = self._refusal(command)
+            error = self._followers_error(command)
             if error:
                 return error
-        return self._advance_target(command) if machine.checking else self._begin(command)
+        return self._advance_target(command) if machine.checking else self._begin_motion(command)
 
-    def _forbidden(self, command, note=True):
+    def _forbidden_error(self, command, note=True):
         """0, or why a motion is forbidden; of an arc's plane it must allow both directions."""
         machine = self._machine
         if machine.checking:
@@ -104,12 +104,12 @@ class Program(LineBatches):
         self._queue.lead(command.target)
         return self._machine.confirm_command(command)
 
-    def _refusal(self, command):
+    def _followers_error(self, command):
         """0, or the error of one of the lines that follow `command`: then none of them begins."""
         self._set_limits()
         start = command.target
         for motion in command.also:
-            if not self._inside(motion.target):
+            if not self._is_within_travel(motion.target):
                 self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
                 return errors.JOG_TRAVEL
             deltas = [to - at for to, at in zip(motion.target, start)]
@@ -120,10 +120,10 @@ class Program(LineBatches):
             start = motion.target
         return 0
 
-    def _begin(self, command):
+    def _begin_motion(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
             return LATER
-        if command.dots and self._lacks(command.dots):
+        if command.dots and self._lacks_dots(command.dots):
             return LATER
         error = self._queue_motion(command)
         if error:
@@ -133,22 +133,22 @@ class Program(LineBatches):
         self._machine.note_motion()
         return self._machine.confirm_command(command)
 
-    def _jog(self, command):
+    def _accept_jog(self, command):
         machine = self._machine
         if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.axes_are_owned():
-            error = self._unready(command) or self._too_long(command)
+            error = self._motion_error(command) or self._length_error(command)
             return error if error and error != LATER else LATER if machine.dropping else errors.BUSY
         if not machine.jogging:
             machine.inform(BY_HAND)
-        if self._row(command):
+        if self._queue_row(command):
             machine.jogging = True
             return machine.confirm_command(command)
-        error = self._too_long(command) or (0 if self._reachable(command) else errors.JOG_TRAVEL)
-        error = error or self._forbidden(command) or self._begin(command)
+        error = self._length_error(command) or (0 if self._can_reach(command) else errors.JOG_TRAVEL)
+        error = error or self._forbidden_error(command) or self._begin_motion(command)
         machine.jogging = machine.jogging or error == 0
         return error
 
-    def _row(self, command):
+    def _queue_row(self, command):
         """Queue a line or jog as a row of a batch: one kernel checks its travel, makes its block and plans it. Return False if the kernel
         cannot take it: then Planner.line() queues or refuses it."""
         machine, queue, planner = self._machine, self._queue, self._planner
@@ -162,7 +162,7 @@ class Program(LineBatches):
             return False
         reach = self._travel if machine.homed else None
         if self._reached is not reach:
-            self._take_over(reach)
+            self._set_trace_range(reach)
         row, target, trace = planner.batch, queue.target, self._trace
         row[BATCH_FLAGS] = (1 if command.tool else 0) | (0 if command.feed else 2) | (4 if command.dynamic else 0)
         row[BATCH_FEED] = command.feed
@@ -179,7 +179,7 @@ class Program(LineBatches):
         queue.waiting = machine.active = machine.fresh = machine.awake = True
         return True
 
-    def _unready(self, command):
+    def _motion_error(self, command):
         """0, LATER, or the error that forbids motion now."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
@@ -190,7 +190,7 @@ class Program(LineBatches):
             return LATER
         return 0
 
-    def _too_long(self, command):
+    def _length_error(self, command):
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
         return errors.JOG_TRAVEL if longest > MAX_STEPS else 0
 
@@ -206,7 +206,7 @@ class Program(LineBatches):
         if changes or command.dynamic != planner.dynamic:
             planner.set_power(power, command.dynamic)
             if changes and not command.dynamic:
-                if not any(self._queue.deltas(command.target)) and not self._circles(command):
+                if not any(self._queue.deltas(command.target)) and not self._is_full_circle(command):
                     self._queue.set_tool(command.tool, command.number)  # no step carries the laser's change
         ticks = minute_ticks(command) if command.per_min else 0
         error = 0
@@ -217,14 +217,14 @@ class Program(LineBatches):
                 else:
                     self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
         except ValueError:
-            error = errors.RADIUS if command.kind == commands.ARC else self._too_long(command) or errors.TARGET
+            error = errors.RADIUS if command.kind == commands.ARC else self._length_error(command) or errors.TARGET
         if power > POWER_MOST:
             planner.set_power(after, command.dynamic)
             if error:
                 self.dots[DOTS_HEAD] = power >> DOTS_FIRST
         return error
 
-    def _lacks(self, dots):
+    def _lacks_dots(self, dots):
         """True if the queue has no room for these dots yet."""
         ring = self.dots
         return len(dots) > (ring[DOTS_TAIL] - ring[DOTS_HEAD] - 1) & ring[DOTS_MASK]
@@ -240,7 +240,7 @@ class Program(LineBatches):
         ring[DOTS_HEAD] = head
         return last | len(dots) << DOTS_COUNT | first << DOTS_FIRST
 
-    def _circles(self, command):
+    def _is_full_circle(self, command):
         """True for an arc that comes back to its start."""
         return command.kind == commands.ARC and any(command.centre) and (command.over_half or command.turns > 1)
 
@@ -252,7 +252,7 @@ class Program(LineBatches):
         self._limits_of = settings.version
         reach = self.reach()
         if self._reached is not reach:
-            self._take_over(reach)
+            self._set_trace_range(reach)
         jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
         limits = Limits(
@@ -272,9 +272,9 @@ class Program(LineBatches):
 
     # --- probing
 
-    def _probe(self, command):
+    def _begin_probe(self, command):
         machine = self._machine
-        error = self._unready(command)
+        error = self._motion_error(command)
         if error:
             return error
         if not machine.inputs.has_probe:
@@ -283,12 +283,12 @@ class Program(LineBatches):
             return LATER
         if machine.checking:
             return self._advance_target(command)
-        if not self._reachable(command):
+        if not self._can_reach(command):
             machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
         if machine.inputs.read("probe") != bool(command.value & _PROBE_AWAY):
             return self._end_missed_probe(command, errors.ALARM_PROBE_STATE)
-        error = self._forbidden(command)
+        error = self._forbidden_error(command)
         if error:
             return error
         self._touch = None
@@ -331,10 +331,10 @@ class Program(LineBatches):
 
     # --- what waits for the motion before it
 
-    def _sync(self, command):
+    def _answer_sync(self, command):
         return self._machine.gate() or self._machine.confirm_command(command)
 
-    def _dwell(self, command):
+    def _begin_dwell(self, command):
         machine = self._machine
         result = machine.gate()
         if result:

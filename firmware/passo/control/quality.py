@@ -25,11 +25,11 @@ class Quality:
         for group in groups:
             for seeker in group:
                 for side in range(len(seeker.sensors)):
-                    self._add((seeker.axis, side), (seeker.edges[side] - seeker.start) * seeker.away + seeker.ends[side])
+                    self._add_edge((seeker.axis, side), (seeker.edges[side] - seeker.start) * seeker.away + seeker.ends[side])
         self._left -= 1
         return self._left >= 0
 
-    def _add(self, key, beyond):
+    def _add_edge(self, key, beyond):
         """The edge of a run lies `beyond` steps from that of the run before."""
         edges = self._edges.get(key)
         if edges is None:
@@ -38,9 +38,9 @@ class Quality:
             edges.append((edges[-1] if edges else 0) + beyond)
 
     def report(self):
-        return [self._judge(key) for key in sorted(self._edges)] if self._runs else None
+        return [self._judge_axis(key) for key in sorted(self._edges)] if self._runs else None
 
-    def _judge(self, key):
+    def _judge_axis(self, key):
         edges = self._edges[key]
         runs = len(edges)
         mean = sum(edges) / runs

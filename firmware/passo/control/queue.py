@@ -271,9 +271,9 @@ class Queue:
         if self._player.busy():
             self.power(self.analogue.level)
         else:
-            self._shine(not self.dynamic())
+            self._show_power(not self.dynamic())
 
-    def _shine(self, on):
+    def _show_power(self, on):
         """At a stand: the power of the last mark, or none until the next."""
         self.analogue.show(self._player.words_played(), on)
         self.power(self.analogue.level)
@@ -307,4 +307,4 @@ class Queue:
         if tool:
             self.restore_power()
         else:
-            self._shine(False)
+            self._show_power(False)

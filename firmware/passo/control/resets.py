@@ -9,13 +9,13 @@ _STANDS = (commands.DWELL, commands.SPINDLE)  # while one of these takes its tim
 class Resets(Feature):
     def handlers(self):
         return {
-            commands.RESET: self._reset,
-            commands.UNLOCK: self._unlock,
-            commands.CHECK: self._check,
-            commands.SLEEP: self._sleep,
+            commands.RESET: self._reset_machine,
+            commands.UNLOCK: self._unlock_machine,
+            commands.CHECK: self._set_check_mode,
+            commands.SLEEP: self._enter_sleep,
         }
 
-    def _reset(self, command):
+    def _reset_machine(self, command):
         machine = self._machine
         alarm = 0
         kind = commands.RESET if machine.command is None else machine.command.kind
@@ -35,7 +35,7 @@ class Resets(Feature):
         machine.announce_restart(command)
         return machine.confirm_command(command)
 
-    def _unlock(self, command):
+    def _unlock_machine(self, command):
         machine = self._machine
         if machine.sleeping or machine.alarm in errors.NEED_RESET:
             return errors.LOCKED
@@ -47,7 +47,7 @@ class Resets(Feature):
             machine.warn()
         return machine.confirm_command(command)
 
-    def _check(self, command):
+    def _set_check_mode(self, command):
         machine = self._machine
         if command.value:
             if machine.state != "idle":
@@ -57,9 +57,9 @@ class Resets(Feature):
             return machine.confirm_command(command)
         machine.notice(errors.NOTICE_CHECK_OFF)
         machine.confirm_command(command)
-        return self._reset(command)
+        return self._reset_machine(command)
 
-    def _sleep(self, command):
+    def _enter_sleep(self, command):
         machine = self._machine
         machine.shut_down(ANEW)
         machine.guarded = 0

@@ -107,7 +107,7 @@ class StreamQueue(Queue):
                 self.fits(self.deltas(target), nm_s, ticks)  # a refused motion leaves the tool as it is
             self._change_tool(tool, tag)
         if not self._planner.accelerates:
-            ticks = self._ticks(self.deltas(target), nm_s, ticks)
+            ticks = self._line_ticks(self.deltas(target), nm_s, ticks)
             nm_s = 0
         self._planner.line(self.deltas(target), ticks, tool, tag, not nm_s and not ticks, nm_s)
         self.lead(target)
@@ -116,10 +116,10 @@ class StreamQueue(Queue):
     def fits(self, deltas, nm_s, ticks):
         """Raise ValueError if go() would, for a line of `deltas`."""
         if not self._planner.accelerates:
-            ticks = self._ticks(deltas, nm_s, ticks)
+            ticks = self._line_ticks(deltas, nm_s, ticks)
         self._planner.fits(deltas, ticks, nm_s)
 
-    def _ticks(self, deltas, nm_s, ticks):
+    def _line_ticks(self, deltas, nm_s, ticks):
         """How long a line lasts without limits."""
         return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
 
@@ -138,7 +138,7 @@ class StreamQueue(Queue):
                 deltas, plane, command.centre, tool, command.clockwise, turns, command.feed, ticks, tag, not changes, command.over_half
             )
         except ValueError:  # no circle in steps, or too steep a helix
-            chords = self._cut(command, deltas, plane, ticks)
+            chords = self._cut_into_chords(command, deltas, plane, ticks)
         if changes:
             self._change_tool(tool, tag)
         self.tool = tool
@@ -158,7 +158,7 @@ class StreamQueue(Queue):
         self.lead(command.target)
         self.waiting = True
 
-    def _cut(self, command, deltas, plane, ticks):
+    def _cut_into_chords(self, command, deltas, plane, ticks):
         """Chords along an arc, v²/R within the accelerations of the plane's axes."""
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
         ellipse = Ellipse(deltas, plane, command.centre, steps_per_m, command.clockwise, command.turns - 1, command.over_half)

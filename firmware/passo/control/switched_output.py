@@ -44,12 +44,12 @@ class SwitchedOutput(Feature):
         return "%d" % self.on + ("" if self._own or self._number < 0 else "P%d" % self._number)
 
     def _switch_on(self, command):
-        return self._switch(command, True)
+        return self._switch_to(command, True)
 
     def _switch_off(self, command):
-        return self._switch(command, False)
+        return self._switch_to(command, False)
 
-    def _switch(self, command, on):
+    def _switch_to(self, command, on):
         machine = self._machine
         result = machine.gate()
         if result or machine.checking:

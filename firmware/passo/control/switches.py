@@ -21,16 +21,16 @@ class Switches(Feature):
         self._sensors = []
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
-        self._limits = [(name, self._sensor(name)) for _, name in inputs.limits if name in inputs.names]
-        self._buttons = [(name, kind, self._sensor(name)) for name, _, kind, _ in inputs_of(board) if kind and name in names]
-        self._watches = self._watch(board, machine.port)
+        self._limits = [(name, self._make_sensor(name)) for _, name in inputs.limits if name in inputs.names]
+        self._buttons = [(name, kind, self._make_sensor(name)) for name, _, kind, _ in inputs_of(board) if kind and name in names]
+        self._watches = self._limit_watches(board, machine.port)
         self._turned = -1  # 1: the settings turn limits round; 0: they do not; −1: not yet known
         self._armed = None  # True, False: the interrupts of limits are; None: some may be other
-        self._turn()
+        self._apply_invert()
         self._seen = -1  # the inputs' levels at the last cycle
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
 
-    def _watch(self, board, port):
+    def _limit_watches(self, board, port):
         """[(watch of the pin's interrupt, sensor, the board file's active level)] of the limits."""
         watches = []
         items = {item["name"]: item for item in board["inputs"]}
@@ -40,7 +40,7 @@ class Switches(Feature):
                 watches.append((watch, sensor, items[name]["active"]))
         return watches
 
-    def _turn(self):
+    def _apply_invert(self):
         self._hard = bool(self._settings.value(table.HARD_LIMITS))
         turned = 1 if self._settings.mask_change(table.LIMIT_INVERT) else 0
         if turned != self._turned:
@@ -48,13 +48,13 @@ class Switches(Feature):
             for watch, _, level in self._watches:
                 watch.turn(level ^ turned)
 
-    def _arm(self, armed):
+    def _arm_limits(self, armed):
         """Limits stop the player while they are watched; one that has been active is no news."""
         self._armed = armed
         for watch, sensor, _ in self._watches:
             watch.arm(armed and not sensor.active)
 
-    def _sensor(self, name):
+    def _make_sensor(self, name):
         read = self._inputs.read
         sensor = Sensor(lambda: read(name), self._settings.value(table.HOMING_DEBOUNCE))
         self._sensors.append(sensor)
@@ -64,15 +64,15 @@ class Switches(Feature):
         seen = self._levels()
         if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
             self._seen = seen
-            self._sample(now_ms)
+            self._sample_all(now_ms)
         if self._watches:
             machine = self._machine
             command = machine.command
             armed = self._hard and machine.alarm in errors.WATCHED and (command is None or command.kind != commands.HOME)
             if armed != self._armed:
-                self._arm(armed)
+                self._arm_limits(armed)
 
-    def _sample(self, now_ms):
+    def _sample_all(self, now_ms):
         machine = self._machine
         for sensor in self._sensors:
             if not sensor.pending:
@@ -83,7 +83,7 @@ class Switches(Feature):
                 sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
             for _, sensor in self._limits:
                 sensor.restart(now_ms)  # one that was hit before it was watched is no news
-            self._turn()
+            self._apply_invert()
         for _, kind, sensor in self._buttons:
             before = sensor.active
             sensor.sample(now_ms, 0)

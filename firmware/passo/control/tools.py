@@ -74,8 +74,8 @@ class Tools(Feature):
     def handlers(self):
         return {
             commands.SPINDLE: self._turn_spindle,
-            commands.COOLANT: self._cool,
-            commands.OVERRIDE: self._override,
+            commands.COOLANT: self._set_coolant,
+            commands.OVERRIDE: self._set_override,
         }
 
     def _turn_spindle(self, command):
@@ -124,7 +124,7 @@ class Tools(Feature):
                     return 0
         return machine.confirm_command(command)
 
-    def _cool(self, command):
+    def _set_coolant(self, command):
         machine = self._machine
         result = machine.gate()
         if result:
@@ -141,7 +141,7 @@ class Tools(Feature):
             if name in self._outputs:
                 self._port.output(name, bool(shown))
 
-    def _override(self, command):
+    def _set_override(self, command):
         which = command.value
         overrides = self._machine.overrides
         if which == commands.ALL:

@@ -76,30 +76,30 @@ class Homing(homing.Homing):
         self._doubt = False
         homing.Homing.__init__(self, board, machine, queue)
 
-    def _sensors(self, number):
+    def _make_sensors(self, number):
         """Return the sensors of an axis: of one that is felt its motors' DIAG pins, of CoreXY's X and Y those of both motors."""
         if number not in self._full:
-            return homing.Homing._sensors(self, number)
+            return homing.Homing._make_sensors(self, number)
         return [self._make_feeler(motor, number) for motor in ((0, 1) if self._shared and number < 2 else (number,))]
 
     def _make_feeler(self, motor, axis):
         """Return the StallSensor of a motor for homing `axis`."""
         name = self._config["sensors"][self._axes[motor]["name"]]
-        feeler = self._sensor(name, axis, StallSensor)
+        feeler = self._make_sensor(name, axis, StallSensor)
         feeler.full = self._full[axis]
         feeler.input = name
         return feeler
 
-    def _home(self, command):
+    def _begin_homing(self, command):
         """Do HOME; on CoreXY X and Y home together."""
         if self._shared and command.value & _AXES:
             command.value |= _AXES
-        return homing.Homing._home(self, command)
+        return homing.Homing._begin_homing(self, command)
 
-    def _begin(self, now_ms):
+    def _begin_search(self, now_ms):
         """See the base; no place has been located yet."""
         self._located = self._agree = 0  # of a homing that failed
-        homing.Homing._begin(self, now_ms)
+        homing.Homing._begin_search(self, now_ms)
 
     def _active_feelers(self):
         """Return [(axis, sensor)] of the axes that home now and are felt."""
@@ -140,10 +140,10 @@ class Homing(homing.Homing):
             sensor.restart(self._now_ms, False)
             sensor.arm(False)
 
-    def _leave(self, seeker):
+    def _leave_sensor(self, seeker):
         """Phase 1: back off, at least 16 full steps, so that the rotor is free."""
         if seeker.axis not in self._full:
-            homing.Homing._leave(self, seeker)
+            homing.Homing._leave_sensor(self, seeker)
             return
         self._located = self._agree = 0
         self._enough = _ENOUGH
@@ -157,9 +157,9 @@ class Homing(homing.Homing):
         self.way(seeker, steps, seeker.seek_steps_s)
         self._set_blind(seeker, abs(steps) + 1)
 
-    def _seek(self, seeker):
+    def _seek_sensor(self, seeker):
         """Phases 2 and 4: to the end, at the speed for which the threshold was found."""
-        homing.Homing._seek(self, seeker)
+        homing.Homing._seek_sensor(self, seeker)
         if seeker.axis in self._full:
             self._set_blind(seeker, seeker.pull_off_steps // 2)
 
@@ -191,13 +191,13 @@ class Homing(homing.Homing):
             elif self._shared and self._doubt and seeker.axis < 2:
                 other = 1 - seeker.axis  # homes once more at the end, unless its turn is still to come
                 if other not in [group[0].axis for group in self._groups[self._stage // len(self._phases) + 1 :]]:
-                    self._groups.append([self._seeker(other)])
+                    self._groups.append([self._make_seeker(other)])
         self._back_away(seeker, seeker.pull_off_steps + beyond)
 
-    def _locate(self, seeker):
+    def _locate_edge(self, seeker):
         """Phase 4: to the end again."""
         if seeker.axis not in self._full:
-            homing.Homing._locate(self, seeker)
+            homing.Homing._locate_edge(self, seeker)
             return
         self._located += 1
-        self._seek(seeker)
+        self._seek_sensor(seeker)

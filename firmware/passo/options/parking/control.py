@@ -63,7 +63,7 @@ class Pauses(pauses.Pauses):
         if done and way == _PULLS:
             self._rise_to_target()
         elif done and way == _RISES:
-            pauses.Pauses._stand(self)
+            pauses.Pauses._begin_stand(self)
         elif done and machine.resuming:
             if way == _RETURNS:
                 self._queue.analogue.set(self._power)
@@ -81,7 +81,7 @@ class Pauses(pauses.Pauses):
         """Return True if the door holds the machine, and the axis has to go up from here."""
         machine = self._machine
         value = machine.settings.value
-        if machine.hold != "door" or not value(SETTING_PARKING) or not machine.homed or self._laser() or machine.busy_with(commands.PROBE):
+        if machine.hold != "door" or not value(SETTING_PARKING) or not machine.homed or self._is_laser() or machine.busy_with(commands.PROBE):
             return False
         return self._axis_position() < self._steps_of(value(SETTING_PARKING_TARGET))
 
@@ -95,10 +95,10 @@ class Pauses(pauses.Pauses):
         low, high = self._queue.reach(axis)
         return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
 
-    def _stand(self):
+    def _begin_stand(self):
         """At the stand of a hold: pull the axis out if it parks, else see the base."""
         if not self._has_to_park():
-            pauses.Pauses._stand(self)
+            pauses.Pauses._begin_stand(self)
             return
         machine = self._machine
         lit = self._queue.lit()

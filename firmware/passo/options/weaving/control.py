@@ -67,13 +67,13 @@ class Weaving(Program):
         """Open a batch, unless its lines are seams; see Program."""
         return self._spec is None and Program.open(self, batch)
 
-    def _row(self, command):
+    def _queue_row(self, command):
         """Take a line as a row of a batch, unless it is a seam; see Program."""
-        return self._spec is None and Program._row(self, command)
+        return self._spec is None and Program._queue_row(self, command)
 
-    def _reachable(self, command):
+    def _can_reach(self, command):
         """True if all edges of a seam, too, are within the travel."""
-        if not Program._reachable(self, command):
+        if not Program._can_reach(self, command):
             return False
         if self._spec is None or not self.reach():
             return True
@@ -83,7 +83,7 @@ class Weaving(Program):
         except ValueError:
             return True  # its motion will be refused for that
         for corner in seam.edge_points():
-            if not self._inside([at + by for at, by in zip(start, corner)]):
+            if not self._is_within_travel([at + by for at, by in zip(start, corner)]):
                 return False
         return True
 
