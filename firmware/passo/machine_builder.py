@@ -12,13 +12,13 @@ from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 
 def _inputs_for(board, feature):
-    """True if there is an input that wants this feature."""
+    """Return the names of the inputs that want this feature."""
     names = [item["name"] for item in board["inputs"]]
     return [name for name, _, _, wanted in inputs_of(board) if wanted == feature and name in names]
 
 
 def _links_that(board, *ways):
-    """True if a link asks for one of these when its host is lost."""
+    """Return the links that ask for one of these when their host is lost."""
     return [link for link in board["links"] if link["lost"] in ways]
 
 
@@ -71,7 +71,7 @@ def load_all(board):
 
 
 def languages(board):
-    """The packages of the languages of the board file's links, in passo/protocols: NEEDS, OPTIONS, check() and create(). Only what is
+    """Return the packages of the languages of the board file's links, in passo/protocols: NEEDS, OPTIONS, check() and create(). Only what is
     named is loaded, and early: machine code wants memory in one piece. Raises BoardError."""
     modules = []
     for link in board["links"]:
@@ -98,7 +98,7 @@ def _load_package(name):
 
 
 def frame_line_class():
-    """The class of lines that speak frames; only boards that have such a link load it. Raises BoardError."""
+    """Return the class of lines that speak frames; only boards that have such a link load it. Raises BoardError."""
     try:
         return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
     except ImportError as missing:
@@ -106,23 +106,23 @@ def frame_line_class():
 
 
 def lines_of(board):
-    """An option's module for links that are no cables, or None: load(board), serials(board, port), create(language, …), join(links, controller)."""
+    """Return an option's module for links that are no cables, or None: load(board), serials(board, port), create(language, …), join(links, controller)."""
     name = getattr(board.get("additions"), "lines", None)
     return __import__(name, None, None, ("load",)) if name else None
 
 
 def speaker(own, language, link, *more):
-    """The protocol of a link; `language`: its package; `own`: as lines_of()."""
+    """Make the protocol of a link; `language`: its package; `own`: as lines_of()."""
     return own.create(language, link, *more) if own else language.create(link, *more)
 
 
 def serials(own, board, port):
-    """The serial line of each link of the board file."""
+    """Return the serial line of each link of the board file."""
     return own.make_serials(board, port) if own else [port.serial(link) for link in board["links"]]
 
 
 def feature_names(board, languages):
-    """Names of the features that the board file or one of the languages (modules) asks for, in order."""
+    """Return the names of the features that the board file or one of the languages (modules) asks for, in order."""
     needed = []
     for language in languages:
         needed += language.NEEDS
@@ -130,7 +130,7 @@ def feature_names(board, languages):
 
 
 def rows(board, languages):
-    """[(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["additions"], by name; the
+    """Return [(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["additions"], by name; the
     name of a feature above is that of the class it stands in for. A language has those of options that it wants in OPTIONS. All of these are
     made."""
     own = {}
@@ -148,7 +148,7 @@ def rows(board, languages):
 
 
 def load(names, board, languages):
-    """[(name, class)] of features. Raises BoardError."""
+    """Import the features `names` and return [(name, class)]. Raises BoardError if a module is not on this board."""
     try:
         return [
             (name, getattr(__import__(module, None, None, (kind,)), kind))
@@ -159,13 +159,13 @@ def load(names, board, languages):
 
 
 def planner(board, axes):
-    """The planner of a board's motors, in steps of its axes."""
+    """Make the planner of a board's motors; it plans in steps of the axes."""
     name = getattr(board.get("additions"), "motion", None)  # an option's module
     return __import__(name, None, None, ("Planner",)).Planner(axes, board) if name else Planner(axes)
 
 
 def queue(board, streamed):
-    """The class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
+    """Return the class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
     name = getattr(board.get("additions"), "queue", None)  # an option's module
     if name:
         return __import__(name, None, None, ("Queue",)).Queue
@@ -182,14 +182,14 @@ def more_settings(languages):
 
 
 def guard_mask(board, languages, settings):
-    """Mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
+    """Return the mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
     a language that is GUARDED."""
     guards = range(len(languages)) if settings.value(HOMING) else ()
     return sum([1 << number for number in guards if hasattr(languages[number], "GUARDED")])
 
 
 def make_drive(board):
-    """(layout, drive, levels without current) of the board's motors; drive is None if the step form will do."""
+    """Return (layout, drive, levels without current) of the board's motors; drive is None if the step form will do."""
     kind = board["drive"]["kind"]
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
@@ -204,13 +204,13 @@ def make_drive(board):
 
 
 def fastest(board, settings):
-    """Steps a second of the fastest axis."""
+    """Return the steps a second of the fastest axis, as board file and settings limit it."""
     axes = range(len(board["axes"]))
     return ring.fastest(board["speed"], [(settings.value(STEPS + axis), settings.value(SPEED + axis)) for axis in axes])
 
 
 def check_speed(board, least):
-    """Every speed the board file allows must leave the player its shortest word, `least` ticks. Raises BoardError."""
+    """Raise BoardError if a speed that the board file allows needs words shorter than `least` ticks, the player's shortest."""
     speed = board["speed"]
     ticks = us_to_ticks(2 * speed["min"]) if speed["unit"] == "half_period_us" else TICKS_PER_S // speed["max"]
     if ticks < least:

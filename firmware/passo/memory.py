@@ -23,14 +23,14 @@ _kept = []  # see keep()
 
 
 def keep(kept):
-    """`kept`: a list of the arrays made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for
+    """Keep pieces for later. `kept`: a list of the arrays made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for
     numbers(), ("b", bytearray) for buffer() and a FileRoom, ("d", DeflateIO) for stream(); () forgets them."""
     _kept.clear()
     _kept.append(kept)
 
 
 def zeros(count):
-    """An array('i') of `count` zeros."""
+    """Return an array('i') of `count` zeros, in one piece of memory. Raises MemoryError."""
     made = _take_piece("i", count)
     if not made:
         made = array("i", range(count))  # in one piece of memory, as below: from a list or bytes an array would take two
@@ -41,17 +41,17 @@ def zeros(count):
 
 
 def numbers(count):
-    """An array('I') of `count` numbers."""
+    """Return an array('I') of `count` numbers, whose values do not matter. Raises MemoryError."""
     return _take_piece("I", count) or array("I", range(count))
 
 
 def buffer(count):
-    """A bytearray."""
+    """Return a bytearray of `count` bytes. Raises MemoryError."""
     return _take_piece("b", count) or bytearray(count)
 
 
 def stream():
-    """A DeflateIO that has been read to its end: it keeps the two pieces that another one will take. None: there are none."""
+    """Return a DeflateIO that has been read to its end: it holds the two pieces that another one will take. None without memory."""
     try:
         return _take_piece("d", 0) or empty_stream(0)
     except MemoryError:
@@ -92,7 +92,7 @@ class FileRoom:
         return open(path, mode)
 
     def keep(self):
-        """The file has been closed, and nothing points to it any more."""
+        """Keep a piece for the next file. Call it when the file is closed and nothing points to it any more."""
         self._kept = self._name = None
         gc.collect()
         if self.none:
@@ -105,7 +105,7 @@ class FileRoom:
 
 
 def _take_piece(kind, count):
-    """A piece of keep(), which is taken; `count` 0: of any length. None: there is none."""
+    """Remove and return a piece of keep(); `count` 0: of any length. None if there is none."""
     kept = _kept[0] if _kept else ()
     for index in range(len(kept)):
         piece = kept[index]
@@ -116,6 +116,7 @@ def _take_piece(kind, count):
 
 
 def empty_stream(_):
+    """Return a DeflateIO at the end of an empty stream. Raises MemoryError."""
     from io import BytesIO
 
     import deflate

@@ -50,13 +50,14 @@ class Additions:
         self.languages += [start + language for language in languages]
 
     def load_languages(self):
+        """Import the modules of `languages` into `extensions`. Raises ImportError."""
         for name in self.languages:
             language = name.rpartition("_")[2]
             self.extensions[language] = self.extensions.get(language, ()) + (__import__(name, None, None, ("extend",)),)
 
 
 def inputs_of(board):
-    """Rows of the inputs whose names mean something: commands.INPUTS, and those of the board's options."""
+    """Return rows of the inputs whose names mean something: commands.INPUTS, and those of the board's options."""
     own = getattr(board.get("additions"), "named_inputs", ())
     return INPUTS + own if own else INPUTS
 
@@ -80,7 +81,7 @@ def check_shape(value, depth=_DEPTH):
 
 
 def folders(package):
-    """Names of the folders of a package, as far as they can be listed: not in a UF2."""
+    """Return the names of the folders of a package, as far as they can be listed: not in a UF2."""
     path = __import__(package, None, None, ("__path__",)).__path__
     try:
         return [name for name in os.listdir(path if isinstance(path, str) else path[0]) if "." not in name and name[0] != "_"]
@@ -101,7 +102,7 @@ def nearest(key, known):
 
 
 def _letter_pairs(key):
-    """A key's letters, each with the one before it."""
+    """Return the pairs of neighbouring letters in a key, blanks at its ends included."""
     key = " " + str(key) + " "
     return [key[at : at + 2] for at in range(len(key) - 1)]
 
@@ -120,8 +121,8 @@ def names_of(items, part):
 
 
 def options_by_value(board):
-    """Names of the options that a raw board file asks for by a value, not by a key: by the name of an output or input, or by drive.kind. Values may
-    be of any type."""
+    """Return the names of the options that a raw board file asks for by a value, not by a key: by the name of an output or input, or
+    by drive.kind. Values may be of any type."""
     drive = board.get("drive")
     names = [OF_OUTPUT + name for name in names_of(board.get("outputs"), 2)] + [OF_INPUT + name for name in names_of(board.get("inputs"), 0)]
     kind = drive.get("kind") if isinstance(drive, dict) else None
@@ -131,8 +132,8 @@ def options_by_value(board):
 
 
 def own_rules(board, rules):
-    """The manifests of the options that the board file asks for, by their keys and by values. Adds their RULES to `rules`. Raises BoardError for
-    a drive that is not here.
+    """Return the manifests of the options that the board file asks for, by their keys and by values. Adds their RULES to `rules`.
+    Raises BoardError for a drive that is not here.
 
     A manifest may have rewrite(raw board), which returns (it, Additions.levels or None); extend(rules); prepare(board), called before pins
     are checked; claims(board), which returns [(pin, who)]; has_bit(pin), True if an output is on no pin of the chip; and check(board)."""
@@ -152,7 +153,7 @@ def own_rules(board, rules):
 
 
 def rewritten(board, own):
-    """(a raw board file as the manifests `own` rewrite it, masks of a word's levels or None)."""
+    """Return (the raw board file as the manifests `own` rewrite it, masks of a word's levels or None)."""
     levels = None
     for module in own:
         if hasattr(module, "rewrite"):

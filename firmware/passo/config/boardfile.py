@@ -132,7 +132,7 @@ MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them belo
 
 
 def check(board):
-    """The board with its defaults. Raises BoardError at the first thing wrong."""
+    """Return the board with its defaults. Raises BoardError at the first thing wrong."""
     check_shape(board)
     _want_dict(_WHOLE, board)
     before = board.get("additions")  # an Additions of a board that was checked before: its options add all anew
@@ -170,11 +170,13 @@ def _call_each(manifests, name, what):
 
 
 def _want_dict(where, data):
+    """Raise BoardError if `data` is no dict. `where`: the key, for the message."""
     if not isinstance(data, dict):
         raise BoardError("%s: a dict is wanted, not %r" % (where, data))
 
 
 def _check_section(where, data, rules):
+    """Return a section with its defaults. Raises BoardError at an unknown key or a wrong value."""
     _want_dict(where, data)
     for key in data:
         if key not in rules:
@@ -185,6 +187,7 @@ def _check_section(where, data, rules):
 
 
 def _check_value(where, data, key, rule):
+    """Return data[key], or its default, checked by `rule`. Raises BoardError."""
     if isinstance(rule, dict):
         part = data.get(key)
         if part is None and key not in _OPTIONAL:
@@ -215,6 +218,7 @@ def _check_value(where, data, key, rule):
 
 
 def _check_list(where, data, key, rule):
+    """Return a list of sections, each checked. `rule`: [rules, least, most]. Raises BoardError."""
     section, least, most = rule
     items = data.get(key, [])
     if not isinstance(items, (list, tuple)) or not least <= len(items) <= most:
@@ -223,6 +227,7 @@ def _check_list(where, data, key, rule):
 
 
 def _check_clock(board):
+    """Set clock_mhz to the chip's first clock if it is 0. Raises BoardError at one that the chip does not have."""
     chip = board["chip"]
     clocks = CLOCKS_MHZ.get(chip, (0,))
     board["clock_mhz"] = board["clock_mhz"] or clocks[0]
@@ -233,7 +238,7 @@ def _check_clock(board):
 
 
 def pin_claims(board, own=None):
-    """[(pin, who)] of everything that claims a pin, a serial port's two included. A name begins with "input" or ends in " rx" if the chip only
+    """Return [(pin, who)] of everything that claims a pin, a serial port's two included. A name begins with "input" or ends in " rx" if the chip only
     reads the pin. `own`: the manifests of the board's options; by default they are loaded."""
     claims = [(pin, "axis %s" % axis["name"]) for axis in board["axes"] for pin in axis["pins"]]
     claims.append((board["tool"]["pin"], "tool"))
@@ -251,6 +256,7 @@ def pin_claims(board, own=None):
 
 
 def _check_pins(board, own):
+    """Raise BoardError if a pin is claimed twice, or the chip has none such, or a drive has the wrong number of pins."""
     kind = board["drive"]["kind"]
     pins_of = getattr(board.get("additions"), "motor_pins", 2)
     most = (MOST_BITS - 1) // pins_of - len(getattr(board.get("additions"), "more_motors", ()))
@@ -278,6 +284,7 @@ def _check_pins(board, own):
 
 
 def _check_order(board):
+    """Raise BoardError if PIO pins are not consecutive, in the order of a word's bits."""
     if board["chip"].startswith("esp32") or board["player"] != "pio":
         return
     pins = word_pins(board)
@@ -287,6 +294,7 @@ def _check_order(board):
 
 
 def _check_links(board):
+    """Raise BoardError at a link's name that is there twice, or one unknown in "commands"."""
     names = [link["name"] for link in board["links"]]
     if len(set(names)) != len(names):
         raise BoardError("links: every name once, not %s" % ", ".join(names))
@@ -295,6 +303,7 @@ def _check_links(board):
 
 
 def _check_bits(board):
+    """Raise BoardError if an input or output is a bit of a register and the board has none."""
     if "bank" not in getattr(board.get("additions"), "parts", ()):
         for key in ("inputs", "outputs"):
             for item in board[key]:
@@ -303,6 +312,7 @@ def _check_bits(board):
 
 
 def _check_filters(board):
+    """Raise BoardError if filter_us stands at an input that halts or is no limit. The interlock filters its own."""
     if "veto" in getattr(board.get("additions"), "parts", ()):  # which filters inputs of its own
         return
     sensors = list(board["homing"]["sensors"].values()) if board["homing"] else []
@@ -312,6 +322,7 @@ def _check_filters(board):
 
 
 def _check_homing(board):
+    """Raise BoardError if a key of homing names an axis or input that is not there, or a value is out of bounds."""
     homing = board["homing"]
     if homing is None:
         return

@@ -22,7 +22,7 @@ _UARTS = {"esp32": 3, "esp32s3": 3}  # 2 where not named
 
 
 def check_pin(chip, pin, who, output):
-    """Raises BoardError where `chip` has no such pin for `who`."""
+    """Raise BoardError if `chip` has no such pin, or one that can only be an input and `output` is True."""
     runs, inputs_from = _PINS[chip]
     if not any([first <= pin <= last for first, last in runs]):
         free = ", ".join(["%d … %d" % run for run in runs])
@@ -32,7 +32,7 @@ def check_pin(chip, pin, who, output):
 
 
 def check_link(chip, link, ports=()):
-    """Raises BoardError where `chip` has no such port, or not on these pins. `ports`: others than cables."""
+    """Raise BoardError if `chip` has no such port, or not on these pins. `ports`: others than cables."""
     port = link["port"]
     where = "link %s: " % link["name"]
     if port == "usb" or port in ports:

@@ -42,7 +42,7 @@ class Journal:
         return newest
 
     def write(self, text):
-        """Raises OSError if the memory is full or broken; the text stored before is still there then."""
+        """Write `text` into the older slot. Raises OSError if the memory is full or broken; the text stored before is still there then."""
         if self._sequence is None:
             self.read()
         slot, sequence = (self._slot + 1) % SLOTS, self._sequence + 1
@@ -52,16 +52,17 @@ class Journal:
 
 
 def seal_record(front, body=b""):
-    """The first line of a file: `front`, and the CRC-32 of it and of the `body` behind it."""
+    """Return the first line of a file: `front`, and the CRC-32 of it and of the `body` behind it."""
     return front + b" %08x\n" % (crc32(body, crc32(front)) & 0xFFFFFFFF)
 
 
 def _front_line(sequence, body):
+    """Return the first line of a slot, with its checksum."""
     return seal_record(b"passo %d %d" % (sequence, len(body)), body)
 
 
 def _parse_slot(data):
-    """(sequence, text) of a slot; (0, None) where it is not whole."""
+    """Return (sequence, text) of a slot; (0, None) if it is not whole."""
     end = data.find(b"\n")
     fields = data[: max(end, 0)].split(b" ")
     if len(fields) != 4 or fields[0] != _MAGIC:
@@ -86,6 +87,7 @@ class FileSlots:
         self._room.keep()
 
     def _slot_path(self, slot):
+        """Return the path of a slot's file."""
         return "%s.%d" % (self._path, slot)
 
     def read(self, slot):

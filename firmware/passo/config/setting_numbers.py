@@ -44,7 +44,7 @@ PROGRAM_SPEED = const(182)
 
 
 def _active_level(items, names):
-    """The active level of the first of `items` that has one of these names; 0 if there is none."""
+    """Return the active level of the first of `items` that has one of these names; 0 if there is none."""
     for item in items:
         if item["name"] in names:
             return item["active"]
@@ -52,7 +52,7 @@ def _active_level(items, names):
 
 
 def longest_pulse_us(board):
-    """The longest STEP pulse in µs, 100 at most, with which the board can make its board file's highest speed. A pulse and the low level
+    """Return the longest STEP pulse in µs, 100 at most, with which the board can make its board file's highest speed. A pulse and the low level
     behind it take the same time. With a longer pulse a board does not start. Drives without STEP pulses: 100."""
     if board["drive"]["kind"] != "step_dir":
         return 100
@@ -62,7 +62,7 @@ def longest_pulse_us(board):
 
 
 def make(board):
-    """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min, jerk in mm/s³. Masks as grbl has them: steps whose
+    """Return {number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min, jerk in mm/s³. Masks as grbl has them: steps whose
     pulse is low, directions where high is positive, drivers enabled by high, limits and a probe active when high, axes that home at their
     low end."""
     axes = board["axes"]

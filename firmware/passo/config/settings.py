@@ -75,29 +75,30 @@ class Settings:
     # --- numbers
 
     def value(self, number):
-        """As an integer; in thousandths where places() is 3. KeyError where there is none."""
+        """Return a setting as an integer; in thousandths if places() is 3. Raises KeyError if there is no such setting."""
         if number in self._changed:
             return self._changed[number]
         return self._table[number][2]
 
     def mask_change(self, number):
-        """Of one of MASKS: the bits in which it differs from the board file."""
+        """Return the bits in which one of MASKS differs from the board file."""
         return self.value(number) ^ self._table[number][2]
 
     def masks(self):
-        """[(number, what the board file says)] of MASKS."""
+        """Return [(number, value in the board file)] of MASKS."""
         return [(number, self._table[number][2]) for number in MASKS]
 
     def name(self, number):
+        """Return the name of a setting. Raises KeyError."""
         return self._table[number][0]
 
     def places(self, number):
-        """Decimals of a setting, 0 or 3; None if there is no such setting."""
+        """Return the decimals of a setting, 0 or 3; None if there is no such setting."""
         rule = self._table.get(number)
         return rule[1] if rule else None
 
     def reset(self, number):
-        """As the board file has it, whatever the bounds. 0, or why not: there is none, or it does not go with another value."""
+        """Reset a setting to the board file's value, whatever the bounds. Returns 0, STATEMENT (no such), STEP_RATE or LIMITS_NEED_HOMING."""
         error = self._check_value(number, self._table[number][2]) if number in self._table else errors.STATEMENT
         if error in (errors.STATEMENT, errors.STEP_RATE, errors.LIMITS_NEED_HOMING):
             return error
@@ -108,7 +109,7 @@ class Settings:
         return 0
 
     def change(self, number, value):
-        """0, or why not. The change is not saved yet."""
+        """Change a setting; save() stores it. Returns 0, or the error number of a value that is not allowed."""
         error = self._check_value(number, value)
         if error:
             return error
@@ -121,6 +122,7 @@ class Settings:
         return 0
 
     def _check_value(self, number, value):
+        """Return 0, or the error number of a value out of bounds, or that does not go with other settings."""
         if number not in self._table:
             return errors.STATEMENT
         _, _, _, least, most = self._table[number]
@@ -155,10 +157,11 @@ class Settings:
         return 0
 
     def _pulses_s(self, pulse_us):
-        """How many STEP pulses of `pulse_us` a drive can make in a second: each wants as long again for the low level. Coils have none: 1 000 000."""
+        """Return the most STEP pulses of `pulse_us` that a drive can make in a second: the low level lasts as long. For coils 1 000 000."""
         return TICKS_PER_S // (2 * us_to_ticks(pulse_us)) if self._board["drive"]["kind"] == "step_dir" else 1_000_000
 
     def _mark_changed(self):
+        """Count a new version of the settings, to be saved, and apply it to the board."""
         self.dirty = True
         self.failed = False
         self.version += 1
@@ -167,11 +170,11 @@ class Settings:
     # --- texts
 
     def get(self, key):
-        """The text kept under `key`, or None."""
+        """Return the text kept under `key`, or None."""
         return self._texts.get(key)
 
     def keeps(self, text):
-        """True if put() takes it."""
+        """Return True if put() takes `text`: at most 80 characters on one line."""
         return len(text) <= _LONGEST_TEXT and "\n" not in text
 
     def put(self, key, text):
@@ -186,7 +189,7 @@ class Settings:
     # --- all of them
 
     def restore(self, numbers, texts):
-        """Back to the board file's values: of all `numbers`, and of `texts`: 1 the places, G…, 2 all of them."""
+        """Reset to the board file's values: of all `numbers`, and of `texts`: 1 the places, G…, 2 all of them."""
         if numbers:
             self._changed = {}
         for key in list(self._texts):
@@ -195,11 +198,11 @@ class Settings:
         self._mark_changed()
 
     def snapshot(self):
-        """All that counts now, for save()."""
+        """Return a copy of all values and texts as they count now, for save()."""
         return dict(self._changed), dict(self._texts), self.dirty
 
     def save(self, before=None):
-        """Write what has changed. Only while the machine stands still. 0, or MEMORY: then all counts again as in the snapshot
+        """Write what has changed. Only while the machine stands still. Returns 0, or MEMORY: then all counts again as in the snapshot
         `before`, if there is one."""
         if self.dirty:
             try:
@@ -222,6 +225,7 @@ class Settings:
         return 0
 
     def _dump_lines(self):
+        """Return the stored lines of all changed numbers and texts."""
         lines = []
         for number in sorted(self._changed):
             lines.append("%s%d=%d" % (_VERSION if number in MASKS else "", number, self._changed[number]))
@@ -229,6 +233,7 @@ class Settings:
         return "\n".join(lines)
 
     def _load_lines(self, text):
+        """Read stored lines; a number out of bounds is dropped, an unknown one kept as a text."""
         old = []  # masks of the first firmware
         for line in text.split("\n"):
             key, _, value = line.partition("=")
@@ -285,14 +290,14 @@ class Settings:
         return self.steps_per_m[:], self.value(HOMING_DIRECTION)
 
     def jog_steps(self, axis):
-        """Steps of one jog of an axis: the board file's, unless they or its steps/mm have been changed."""
+        """Return the steps of one jog of an axis: the board file's, unless they or its steps/mm have been changed."""
         if JOG + axis in self._changed or JOG + axis in self._table and STEPS + axis in self._changed:
             um = self.value(JOG + axis)
             return max((um * self.value(STEPS + axis) + 500_000) // 1_000_000, 1 if um else 0)
         return self._board["axes"][axis]["jog_steps"] or self._board["jog"]["steps"]
 
     def jog_steps_s(self, axis):
-        """Steps a second of a jog of an axis, likewise."""
+        """Return the steps a second of a jog of an axis, by the same rule."""
         if JOG_SPEED + axis in self._changed or JOG_SPEED + axis in self._table and STEPS + axis in self._changed:
             return max((self.value(JOG_SPEED + axis) * self.value(STEPS + axis) + 30_000_000) // 60_000_000, 1)
         return self._board["axes"][axis]["jog_steps_s"] or self._board["speed"]["default"]
@@ -309,7 +314,7 @@ class Settings:
                     self.change(number, value)
 
     def homing(self, axis):
-        """(seek and locate speed in steps/s, pull-off in steps) of an axis: the board file's, where unchanged."""
+        """Return (seek and locate speed in steps/s, pull-off in steps) of an axis: the board file's, where unchanged."""
         board = self._board["homing"]
         if board["each"]:
             board = dict(board)

@@ -19,7 +19,7 @@ _DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 def check_centre(x, y, i, j):
-    """0 if the point (x, y) lies on the circle about (i, j) through (0, 0), else an error's number."""
+    """Return 0 if the point (x, y) lies on the circle about (i, j) through (0, 0), else errors.TARGET. All in nm."""
     radius = isqrt(i * i + j * j)
     if not radius:
         return errors.TARGET
@@ -30,7 +30,7 @@ def check_centre(x, y, i, j):
 
 
 def centre_of(x, y, radius, clockwise):
-    """(error, i, j): the centre of the arc of `radius` from (0, 0) to (x, y). A negative radius is the long way round."""
+    """Return (error, i, j), nm: the centre of the arc of `radius` from (0, 0) to (x, y). A negative radius is the long way round."""
     square = x * x + y * y
     if not square:
         return errors.TARGET, 0, 0
@@ -58,14 +58,14 @@ def over_half(x, y, i, j, clockwise):
 
 
 def end_of(i, j, sweep_udeg, clockwise):
-    """(x, y): where the arc about (i, j) from (0, 0) ends that sweeps `sweep_udeg` ≥ 0 millionths of a degree."""
+    """Return (x, y), nm: where the arc about (i, j) from (0, 0) ends that sweeps `sweep_udeg` ≥ 0 millionths of a degree."""
     sweep = (sweep_udeg * TURN + 180_000_000) // 360_000_000
     x, y = rotate(-i, -j, -sweep if clockwise else sweep)
     return i + x, j + y
 
 
 def farthest(start, arc, steps_per_m):
-    """The points on `arc` (a Motion from `start`) that lie farthest out along the axes of its plane, to the nearest step."""
+    """Return the points on `arc` (a Motion from `start`) that lie farthest out along the axes of its plane, to the nearest step."""
     i, j = arc.centre
     wide, high = steps_per_m[arc.second], steps_per_m[arc.first]  # brings both axes to one unit
     square = 4 * (i * i * wide * wide + j * j * high * high)
@@ -97,4 +97,5 @@ def swept(begin, direction, end):
 
 
 def cross(one, two):
+    """Return the cross product of two vectors: above 0 if `two` lies counter-clockwise of `one`."""
     return one[0] * two[1] - one[1] * two[0]

@@ -41,7 +41,7 @@ class Changeover(Feature):
         return self._due_ms is None
 
     def on_events(self, _=SAFE):
-        """To the other controller, at once as far as this board's relays go: the safe state."""
+        """Give the motors to the other controller at once, the safe state; its own relays close after changeover_ms."""
         if self.ours:
             self._begin_switch(False)
 
@@ -62,6 +62,7 @@ class Changeover(Feature):
         self._start_wait()
 
     def _connect_motors(self, command):
+        """Take the motors (`command.value` 1) or give them back (0). Returns 0, LOCKED in an alarm or asleep, or BUSY while anything moves."""
         machine = self._machine
         ours = bool(command.value)
         if ours and (machine.alarm not in errors.WATCHED or machine.sleeping):
@@ -73,7 +74,7 @@ class Changeover(Feature):
         return machine.confirm_command(command)
 
     def _begin_switch(self, ours):
-        """Break; poll() makes."""
+        """Release all relays; poll() closes those wanted, changeover_ms later. Not `ours`: the position is lost."""
         self.ours = ours
         self._machine.detached = self._relays and not ours and not self._by_motion
         if self._relays and not ours:
@@ -83,9 +84,11 @@ class Changeover(Feature):
         self._start_wait()
 
     def _set_outputs(self, names, on):
+        """Switch the outputs of these names."""
         for name in names:
             self._port.output(name, on)
 
     def _start_wait(self):
+        """Begin the wait of changeover_ms for the relays, if the board has any."""
         if self._relays:
             self._due_ms = (self._port.machine_ms() + self._pause_ms) & COUNT_MASK

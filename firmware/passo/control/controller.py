@@ -82,14 +82,14 @@ class Controller:
         return False
 
     def may_change(self):
-        """True while what is under way may change at any moment: few words should lie ahead."""
+        """Return True while a feature may change its motion at any moment: make few words in advance."""
         for live in self.lives:
             if live():
                 return True
         return False
 
     def position(self):
-        """Steps of each axis from machine zero, exact at this moment."""
+        """Return the steps of each axis from machine zero, exact at this moment."""
         return self.queue.position()
 
     def accept(self, command):
@@ -119,7 +119,7 @@ class Controller:
     # --- batches: by the same rules as commands
 
     def batches(self, batch):
-        """(open, accept, close), the functions of the feature that takes batches of this kind, `batch` each:
+        """Return (open, accept, close), the functions of the feature that takes batches of this kind, `batch` each:
 
         open    True if the machine takes rows now from the link of `batch`, as many as there is `batch.room` for; else they
                 have to come as commands, to wait or to be refused. close() is to follow before anything else is done
@@ -189,6 +189,7 @@ class Controller:
             machine.awake = True
 
     def _save_settings(self, now_ms):
+        """Save changed settings at a stand; those changed amid a motion only after REST_MS. A failed save is tried again at the next change."""
         machine = self.machine
         settings = machine.settings
         if self._stood_ms < 0:
@@ -202,26 +203,28 @@ class Controller:
             machine.awake = True
 
     def handle_stop(self, name):
-        """An input that halts has stopped the player; or a feature, or an input that a feature reads."""
+        """Raise the alarm of a stop: the input or feature `name` has stopped the player. A feature that claims the stop raises its own."""
         for stopped in self._stops:
             if stopped(name):
                 return
         self.machine.raise_alarm(errors.ALARM_HARD_LIMIT, name)
 
     def tell(self, text):
-        """Keep a line about this board, the answer to the question of its build."""
+        """Set the line about this board, which answers the question of its build."""
         self.machine.about = text
 
     # --- commands
 
     def _refuse_bad(self, command):
+        """Refuse a command that its language could not read: return the error number in it."""
         return command.error
 
     def _refuse_homing(self, command):
+        """Refuse HOME on a machine without the feature."""
         return errors.NO_HOMING
 
     def _answer_setting(self, command):
-        """Tell a setting, (number, value, decimals), or the numbers of all; change it first, if that is asked for."""
+        """Answer with a setting, (number, value, decimals), or the numbers of all; change it first if `value` or `tool` (reset) is given."""
         machine = self.machine
         number, value = command.target, command.value
         if number is None:
@@ -240,6 +243,7 @@ class Controller:
         return machine.confirm_command(command, (number, machine.settings.value(number), places))
 
     def _stop_now(self, command):
+        """Stop inside the word under way and drop all work; STOP ends when the tool is off. Amid homing the position is lost."""
         machine = self.machine
         if machine.busy_with(commands.STOP):
             machine.finish(machine.report())

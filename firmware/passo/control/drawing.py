@@ -31,6 +31,7 @@ class Drawing(Feature):
 
     @property
     def speed(self):
+        """The drawing speed in the board file's unit of speed: steps/s, or half a step period in µs."""
         return self._speed or self._machine.settings.value(table.DRAWING_SPEED)
 
     def handlers(self):
@@ -57,6 +58,7 @@ class Drawing(Feature):
     # --- commands
 
     def _set_speed(self, command):
+        """Set the drawing speed. Returns 0, SPEED_RANGE, or LATER until the machine is idle."""
         limits = self._board["speed"]
         if not limits["min"] <= command.value <= limits["max"]:
             return errors.SPEED_RANGE
@@ -66,6 +68,7 @@ class Drawing(Feature):
         return self._machine.confirm_command(command)
 
     def _store_point(self, command):
+        """Store a point, x and y in steps. Returns 0, TRAVEL, or LATER; a full buffer begins to draw."""
         machine = self._machine
         refusal = machine.unready()
         if refusal:
@@ -83,7 +86,7 @@ class Drawing(Feature):
         return machine.confirm_command(command)
 
     def _begin_object(self):
-        """The next point may be the first of an object."""
+        """Begin an object if no point is stored or drawn; it belongs to the job that has been announced."""
         machine = self._machine
         if not self.points.count and not machine.drawing:
             self._taken = self.drawn = 0
@@ -97,6 +100,7 @@ class Drawing(Feature):
         return {POINTS: (self.open, self.accept, self.close)}
 
     def open(self, batch):
+        """Give `batch` the buffer's next free bytes and the travel in steps. Returns False if points have to come as commands."""
         machine = self._machine
         if machine.command is not None or machine.active or machine.commander != batch.link or machine.unready():
             return False
@@ -112,6 +116,7 @@ class Drawing(Feature):
         return True
 
     def accept(self, batch):
+        """Count the points that the batch has written into the buffer as stored. Returns how many."""
         count = batch.count
         points = self.points
         if not points.count:
@@ -127,6 +132,7 @@ class Drawing(Feature):
         batch.begun = False  # nothing moves by a point
 
     def _draw_object(self, command):
+        """Begin to draw the stored points. Returns 0, an error, or LATER."""
         machine = self._machine
         refusal = machine.unready()
         if refusal:
@@ -138,6 +144,8 @@ class Drawing(Feature):
         return 0
 
     def _queue_jog(self, command):
+        """Queue a jog: `target` holds the jogs of each axis, signed. LATER if more than jog.ahead_ms of motion is queued; JOG_TRAVEL if it
+        leads out of the travel."""
         machine = self._machine
         refusal = machine.unready()
         if refusal:
@@ -169,6 +177,7 @@ class Drawing(Feature):
     # --- drawing
 
     def poll(self, now_ms):
+        """Queue stored points while the planner has room for two blocks."""
         queue = self._queue
         machine = self._machine
         if not machine.drawing:
@@ -183,7 +192,7 @@ class Drawing(Feature):
             queue.flush()
 
     def poll_end(self, still):
-        """Notices that the object is drawn to its end."""
+        """Finish DRAW once all points of the object are drawn."""
         machine = self._machine
         if still and not self.points.count and machine.busy_with(commands.DRAW):
             self.drawn = self._taken
@@ -197,6 +206,7 @@ class Drawing(Feature):
         report["free"] = self.points.free()
 
     def count_drawn(self):
+        """Return how many points of the object are drawn, that under way not counted."""
         if not self._machine.drawing:
             return self.drawn
         planner = self._queue.planner
@@ -209,7 +219,7 @@ class Drawing(Feature):
         return max(tag - 1 - self._job.counted, self.drawn)
 
     def _line_ticks(self, deltas):
-        """How long the line lasts at the speed set, in the board file's sense of speed."""
+        """Return the duration of a line of `deltas` (steps) in ticks, at `speed`."""
         speed = self._board["speed"]
         if speed["unit"] == "half_period_us":
             each_us = 2 * self.speed + speed["overhead_us"]

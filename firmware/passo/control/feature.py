@@ -24,7 +24,7 @@ REFUSAL = const(256)  # a line of the link that commands is refused
 
 
 def _do_nothing(self, _=None):
-    """Also an answer: no, none."""
+    """Do nothing. The None returned also answers a question: no, none."""
 
 
 class Feature:
@@ -61,5 +61,5 @@ class Feature:
 
 
 def overriding(features, name):
-    """The methods `name` of those features whose class has its own, in order."""
+    """Return the methods `name` of those features whose class overrides it, in order."""
     return tuple([getattr(feature, name) for feature in features if getattr(type(feature), name) is not _do_nothing])

@@ -41,10 +41,11 @@ class Seeker:
         self.done = False
 
     def keep(self, number):
+        """Keep the position at which sensor `number` changed."""
         self.edges[number] = self.sensors[number].edge
 
     def has_reached(self, active):
-        """True if all sensors are free, or one is active."""
+        """Return True if one sensor is active (`active` True), or all are free (False). Notes which one is active."""
         for number in range(len(self.sensors)):
             if self.sensors[number].active:
                 if active:
@@ -83,11 +84,12 @@ class Homing(Feature):
         report["unhomed"] = self._unhomed if machine.known or machine.settings.value(table.HOMING) else None
 
     def _unhomed_letters(self):
-        """Of the axes that have a sensor and are not homed."""
+        """Return the letters of the axes that have a sensor and are not homed."""
         left = self._all & ~self._machine.known
         return "".join([self._axes[axis]["name"].upper() for axis in range(len(self._axes)) if left >> axis & 1])
 
     def _begin_homing(self, command):
+        """Begin HOME: lift the tool first. `value`: mask of axes, 0: all; `power`: runs that measure quality. Returns 0, LATER, or an error."""
         machine = self._machine
         if machine.alarm in errors.NEED_RESET:
             return errors.LOCKED
@@ -129,7 +131,7 @@ class Homing(Feature):
             machine.homing_failed(result)
 
     def _end_run(self, now_ms):
-        """Every axis asked for stands at its origin."""
+        """End a run: all axes asked for stand at their origin. Begin the next if quality is measured, else finish HOME."""
         machine = self._machine
         homed = machine.command.value
         if machine.squaring:
@@ -146,6 +148,7 @@ class Homing(Feature):
         machine.finish(self._quality and self._quality.report())
 
     def _make_sensors(self, number):
+        """Make the Sensors of an axis: one, or one a side if both its motors are squared."""
         names = [self._config["sensors"][self._axes[number]["name"]]]
         squaring = self._machine.squaring
         if squaring and squaring.axis == number:
@@ -157,7 +160,7 @@ class Homing(Feature):
         return kind(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
 
     def _begin_search(self, now_ms):
-        """Begin, with the settings as they are now."""
+        """Make the seekers of all groups from the settings as they are now, and enter the first phase."""
         squaring = self._machine.squaring
         if squaring:
             self._phases = self._phases[:4] + squaring.make_phases(self)
@@ -172,6 +175,7 @@ class Homing(Feature):
         self._enter_phase()
 
     def _make_seeker(self, number):
+        """Make the Seeker of an axis. It searches its travel and twice the longest way off the sensor, or `distance_steps`."""
         axis = self._axes[number]
         name = axis["name"]
         away = -1 if name in self._config["high_end"] else 1
@@ -181,7 +185,7 @@ class Homing(Feature):
         return Seeker(number, self._queue.axis(number), self._make_sensors(number), away, values, distance)
 
     def _go_on(self, now_ms):
-        """_ON_ITS_WAY, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
+        """Sample the sensors and go on with the phase. Returns _ON_ITS_WAY, 0 at the end of the last one, or the alarm that ended it."""
         self._now_ms = now_ms
         group = self._groups[self._stage // len(self._phases)]
         still = self._queue.still()
@@ -212,6 +216,7 @@ class Homing(Feature):
         return _ON_ITS_WAY
 
     def _enter_phase(self):
+        """Give each seeker of the group its way in the phase, and queue them."""
         group = self._groups[self._stage // len(self._phases)]
         phase = self._stage % len(self._phases)
         if phase == 0:
@@ -224,7 +229,7 @@ class Homing(Feature):
         self._move_seekers([seeker for seeker in group if not seeker.done])
 
     def until(self, active, alarm=errors.ALARM_SENSOR_STUCK, sensor=None):
-        """The phase ends as any sensor, or `sensor`, is `active` (None: only at the way's end, with the sensors free); `alarm` is
+        """Set the end of the phase: it ends as any sensor, or `sensor`, is `active` (None: only at the way's end, with the sensors free); `alarm` is
         raised if the way ends otherwise."""
         self._until = active
         self._side = sensor
@@ -233,32 +238,36 @@ class Homing(Feature):
     # A phase gives a seeker its longest way, and the event that ends it.
 
     def _leave_sensor(self, seeker):
+        """Phase 1: move away until all sensors are free, at most a tenth of the travel, or 5 pull-offs if that is more."""
         self.until(False)
         limit = max(self._axes[seeker.axis]["travel_steps"] // 10, 5 * seeker.pull_off_steps)
         self.way(seeker, 0 if seeker.has_reached(False) else limit, seeker.seek_steps_s)
 
     def _seek_sensor(self, seeker):
+        """Phase 2: move towards the sensor at the seek speed."""
         self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -seeker.distance, seeker.seek_steps_s)
 
     def _pull_off(self, seeker):
+        """Phases 3 and 6: go to one pull-off from the edge found last, at the seek speed."""
         self.until(None)
         seeker.keep(seeker.tripped)
         self.way(seeker, seeker.pull_off_steps - self.steps_from_edge(seeker, seeker.tripped), seeker.seek_steps_s)
 
     def _locate_edge(self, seeker):
+        """Phase 4: move towards the sensor at the locate speed, 3 pull-offs at most."""
         self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -3 * seeker.pull_off_steps, seeker.locate_steps_s)
 
     def steps_from_edge(self, seeker, number):
-        """Steps from the edge of one of its sensors, away from it."""
+        """Return the axis's steps from the edge of its sensor `number`, positive away from the sensor."""
         return (self._queue.axis(seeker.axis) - seeker.edges[number]) * seeker.away
 
     def way(self, seeker, steps, steps_s):
-        """`steps` away from the sensor's end."""
+        """Set the goal of a phase: `steps` from here, positive away from the sensor's end, at `steps_s` steps/s."""
         seeker.goal = self._queue.axis(seeker.axis) + steps * seeker.away
         seeker.steps_s = steps_s
 
     def _move_seekers(self, seekers):
-        """Set out on what is left of their ways."""
+        """Queue what is left of the seekers' ways, as one line."""
         self._queue.travel([(seeker.axis, seeker.goal - self._queue.axis(seeker.axis), seeker.steps_s) for seeker in seekers])

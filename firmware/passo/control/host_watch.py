@@ -51,7 +51,7 @@ class HostWatch(Feature):
         self._lines[number] = line
 
     def poll(self, _):
-        """By the links' clock: in fast virtual time the machine's runs ahead of any host."""
+        """Notice whether work is under way, and watch its host by the links' clock: in fast virtual time the machine's runs ahead of any host."""
         machine = self._machine
         number = machine.commander
         line = self._lines.get(number)
@@ -93,7 +93,7 @@ class HostWatch(Feature):
             self._since_ms = now_ms
 
     def on_status_request(self, link):
-        """The host of `link` has asked for the status."""
+        """Note that the host of `link` has asked for the status, in time or late."""
         if link is None or link.number != self._number or link.number not in self._lines:
             return
         now_ms = self._machine.port.link_ms()
@@ -107,6 +107,7 @@ class HostWatch(Feature):
         self._asked_ms = self._question_ms = now_ms
 
     def _act_on_loss(self, link):
+        """Do what the board file says of a lost host: hold, stop, or alarm HOST_LOST, with "retract" before Z goes up."""
         machine = self._machine
         if commands.HOLD not in machine.handlers:
             machine.note(errors.HOST_LOST, link["name"])
@@ -123,6 +124,7 @@ class HostWatch(Feature):
             machine.carry_out(commands.HOLD)
 
     def _go_up(self):
+        """Once the machine stands, move Z up to 0, then switch tool and outputs off."""
         machine = self._machine
         queue = self._queue
         machine.awake = True
@@ -140,7 +142,7 @@ class HostWatch(Feature):
             self.on_events()
 
     def on_events(self, _=WORK_GONE):
-        """It is up, or all work is dropped."""
+        """End the retract: Z is up, or all work is dropped. Tool and outputs go off."""
         self.event_mask = 0
         self._retracts = self._up = self._machine.retracts = False
         self._machine.inform(OFF)

@@ -26,7 +26,7 @@ class Inputs:
             self.names = []
 
     def read(self, name):
-        """True while the input is active; the settings can turn limits and probe round."""
+        """Return True while the input is active; the settings can turn limits and probe round."""
         settings = self._settings
         if self._version != settings.version:
             self._version = settings.version
@@ -40,4 +40,5 @@ class Inputs:
         return bool(self._settings.value(table.HARD_LIMITS)) and any([self.read(name) for name in self.names])
 
     def door_open(self):
+        """Return True if there is a safety door and it is open."""
         return self.door and self.input("door")

@@ -36,7 +36,7 @@ def queue_lines(
 
 @micropython.viper
 def inside(rows: ptr32, row: int, at: ptr32, travel: ptr32) -> int:
-    """1 if the line at rows[row] leads from the position `at` to one within the travel."""
+    """Return 1 if the line at rows[row] leads from the position `at` to one within the travel."""
     axis = 0
     while axis < travel[TRACE_AXES]:
         position = (at[axis] + rows[row + BATCH_STEPS + axis] + 0x20000000) & 0x3FFFFFFF
@@ -48,7 +48,7 @@ def inside(rows: ptr32, row: int, at: ptr32, travel: ptr32) -> int:
 
 @micropython.viper
 def go_along(rows: ptr32, row: int, at: ptr32, travel: ptr32):
-    """The line at rows[row] is queued: `at` is where it leads."""
+    """Move the position `at` to the end of the line at rows[row], which is queued, and keep its flags and power in `travel`."""
     axis = 0
     while axis < travel[TRACE_AXES]:
         at[axis] = at[axis] + rows[row + BATCH_STEPS + axis]
@@ -75,7 +75,7 @@ class LineBatches(Feature):
     # --- the travel
 
     def reach(self):
-        """(lowest, highest) positions of the axes, or None if no travel limits hold now. The same object until that changes."""
+        """Return (lowest, highest) positions of the axes in steps, or None if no travel limits hold now. The same object until that changes."""
         machine = self._machine
         settings = machine.settings
         if self._travel_of != settings.version:
@@ -87,7 +87,7 @@ class LineBatches(Feature):
         return self._travel if machine.homed else None
 
     def _is_within_travel(self, target):
-        """True if `target` is within the travel, or no travel limits hold."""
+        """Return True if `target` (steps) is within the travel, or no travel limits hold."""
         reach = self.reach()
         if reach:
             for axis in range(len(target)):
@@ -96,6 +96,7 @@ class LineBatches(Feature):
         return True
 
     def _can_reach(self, command):
+        """Return True if the motion stays within the travel; of an arc its farthest points too."""
         if not self._is_within_travel(command.target):
             return False
         if command.kind != commands.ARC or not self.reach():
@@ -118,10 +119,12 @@ class LineBatches(Feature):
         return self._queue.analogue.marks
 
     def slow_tool(self):
+        """Return True if a change of the tool takes time: see Queue."""
         return self._queue.slow_tool()
 
     @micropython.native
     def open(self, batch):
+        """Open a batch of lines: give it the planner's arrays, travel, tool and room. Returns False if lines have to come as commands."""
         machine = self._machine
         if (
             machine.commander != batch.link or machine.command is not None or machine.alarm or machine.sleeping or machine.checking
@@ -151,7 +154,7 @@ class LineBatches(Feature):
         return True
 
     def _set_trace_range(self, reach):
-        """The positions that a batch may lead to."""
+        """Set the positions that a batch may lead to; `reach` None: as far as the planner counts."""
         self._reached = reach
         at = self._trace
         for axis in range(at[TRACE_AXES]):
@@ -195,7 +198,7 @@ class LineBatches(Feature):
 
     @micropython.native
     def close(self, batch):
-        """The queue's end is as the last row taken says."""
+        """Set tool and power of the queue's end as the last row taken says."""
         batch.begun = False
         travel = self._trace
         if travel[TRACE_MOVED]:

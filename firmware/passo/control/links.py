@@ -22,13 +22,14 @@ class Links(Feature):
         self._count = len(board["links"])  # stored jobs come by one more, which is given no command
 
     def join(self, link):
-        """The link's serial line; a black box may look at what comes."""
+        """Return the serial line of `link`. A black box overrides this, to record what comes."""
         return link.serial
 
     def handlers(self):
         return {commands.HAND_OVER: self._hand_over}
 
     def _hand_over(self, command):
+        """Give the command to link `value` (from 1), 0: to the one that asks. Returns 0, NO_SUCH_LINK, or BUSY while anything moves."""
         machine = self._machine
         number = command.value - 1 if command.value else command.link.number
         if not 0 <= number < self._count:

@@ -21,6 +21,7 @@ class Log:
         self.counts = {}  # of each number: how many times since the start
 
     def add(self, number, who=None):
+        """Add an entry, in place of the oldest of 32. `who`: the link or input it came from."""
         index = self.count % _SIZE
         self._numbers[2 * index] = self._clock()
         self._numbers[2 * index + 1] = number
@@ -35,7 +36,7 @@ class Log:
         return [self._entry_at(count % _SIZE) for count in range(max(self.count - _SIZE, 0), self.count)]
 
     def newest(self):
-        """The last entry; only if `count` is above 0."""
+        """Return the last entry, (machine milliseconds, number, who); only if `count` is above 0."""
         return self._entry_at((self.count - 1) % _SIZE)
 
     def _entry_at(self, index):

@@ -50,7 +50,7 @@ class Motors:
         return self.state == RUNNING or self.state == HOLDING and release_ms > 0
 
     def ready(self):
-        """True when motion may begin. Drivers with STEP and DIR know no current to hold with."""
+        """Return True when motion may begin. Drivers with STEP and DIR know no current to hold with."""
         if self._without:
             return True
         if self.state == HOLDING:
@@ -58,13 +58,13 @@ class Motors:
         return self.state == RUNNING and (self._port.machine_ms() - self._ready_ms) & COUNT_MASK < COUNT_HALF
 
     def cut_current(self, mask):
-        """The axes of `mask` are without current while the others run; 0: none. Drivers with STEP and DIR share one
+        """Cut the current of the axes of `mask` while the others run; 0: of none. Drivers with STEP and DIR share one
         output: theirs stays on."""
         if self._drive is not None:
             self._drive.cut_current(mask)
 
     def unpower(self, axes):
-        """Motion goes out, and no motor has current, if `axes`, a mask, is not 0; 0: as usual again. Only at a stand."""
+        """Let motion go out while no motor has current, if `axes`, a mask, is not 0; 0: as usual again. Only at a stand."""
         self._without = axes != 0
         if self._drive is not None:
             self._drive.cut_current(axes)
@@ -72,17 +72,18 @@ class Motors:
             self._set_state(RELEASED)
 
     def drives(self, on):
-        """The motors' current on until it is switched off, or off now."""
+        """Keep the motors' current on until drives(False), or switch it off now."""
         self._keep = on
         if not on:
             self.release()
 
     def release(self):
-        """No current, and the tool off, at once: the safe state."""
+        """Switch off current and tool at once: the safe state."""
         self._tool = False
         self._set_state(RELEASED)
 
     def _set_state(self, state):
+        """Set RUNNING, HOLDING or RELEASED: the outputs "enable", or the levels of coils."""
         self.state = state
         for name in self._enable:
             self._port.output(name, (state != RELEASED) != self._enable_inverted)

@@ -27,6 +27,7 @@ class Pauses(Feature):
     # --- commands
 
     def _feed_hold(self, command):
+        """Come to a stand and hold; of a jog drop the rest. Ignored unless idle or running."""
         machine = self._machine
         if machine.jogging:
             return self._cancel_jog(command)
@@ -37,7 +38,7 @@ class Pauses(Feature):
         return machine.confirm_command(command)
 
     def _handle_door(self, command):
-        """As grbl: an alarm and check mode take no notice of the door, and homing ends with an alarm that says it."""
+        """Hold as the door opens, as grbl does: an alarm and check mode take no notice of the door, and homing ends with an alarm that says it."""
         machine = self._machine
         if machine.busy_with(commands.HOME):
             machine.homing_failed(errors.ALARM_HOMING_DOOR)
@@ -52,7 +53,7 @@ class Pauses(Feature):
         return machine.confirm_command(command)
 
     def _pause_program(self, command):
-        """The operator's pause: at a stand already."""
+        """Hold for the operator until RESUME (M0, M6; `value`: the tool + 1). Returns LATER until the machine stands."""
         machine = self._machine
         result = machine.gate()
         if result:
@@ -68,6 +69,7 @@ class Pauses(Feature):
         return 0
 
     def _begin_hold(self, kind):
+        """Begin a hold, `kind` "hold" or "door": the feeder comes to a stand."""
         machine = self._machine
         if not machine.hold:
             self._was_lit = False
@@ -77,6 +79,7 @@ class Pauses(Feature):
         self._queue.hold(True)
 
     def _is_laser(self):
+        """Return True if the tool is a laser ($32)."""
         return self._machine.settings.value(LASER)
 
     def _light_tool(self):
@@ -87,12 +90,13 @@ class Pauses(Feature):
         self._delay_resume(max(self._queue.tool_ms(True), 0 if self._is_laser() else self._spindle["spin_up_ms"]))
 
     def _delay_resume(self, ms):
-        """Do not go on before `ms` milliseconds from now; the longest wait counts."""
+        """Delay the resume until `ms` milliseconds from now; the longest delay counts."""
         ready_ms = self._port.machine_ms() + ms & COUNT_MASK
         if ms and (self._ready_ms is None or (ready_ms - self._ready_ms) & COUNT_MASK < COUNT_MASK // 2):
             self._ready_ms = ready_ms
 
     def _resume_motion(self, command):
+        """Begin to resume a hold that has come to its stand, unless the door is open or an alarm is on."""
         machine = self._machine
         ready = machine.stood and not machine.resuming and not machine.alarm
         if ready and not (machine.hold == "door" and machine.inputs.door_open()):
@@ -101,6 +105,7 @@ class Pauses(Feature):
         return machine.confirm_command(command)
 
     def _switch_on(self):
+        """Switch coolant on again, then the tool; a laser only once the coolant is there."""
         machine = self._machine
         if machine.hold == "door":
             machine.show_outputs(True)
@@ -109,18 +114,21 @@ class Pauses(Feature):
             self._restore_tool()
 
     def _restore_tool(self):
+        """Light the tool again if it was on when the machine came to its stand."""
         if self._was_lit and not self._queue.lit():
             if self._machine.hold == "hold" and not self._is_laser():
                 self._machine.notice(errors.NOTICE_SPINDLE)
             self._light_tool()
 
     def _cancel_jog(self, command):
+        """Come to a stand and drop the rest of a jog."""
         machine = self._machine
         if machine.jogging and not machine.dropping:
             machine.drop_at_stand()
         return machine.confirm_command(command)
 
     def _toggle_output(self, command):
+        """Switch the coolants of mask `value` over, or in a hold the spindle."""
         machine = self._machine
         if command.value == commands.SPINDLE_STOP:
             at_stand = machine.hold == "hold" and machine.stood and not machine.resuming
@@ -161,6 +169,7 @@ class Pauses(Feature):
                 self._go_on()
 
     def _begin_stand(self):
+        """Note that the hold has come to its stand: a laser goes off, behind an open door all outputs do."""
         machine = self._machine
         machine.stood = True
         lit = self._queue.lit()
@@ -171,6 +180,7 @@ class Pauses(Feature):
             machine.show_outputs(False)
 
     def _go_on(self):
+        """End the hold: motion goes on."""
         machine = self._machine
         machine.end_hold()
         self._queue.hold(False)

@@ -15,7 +15,7 @@ class Pins(Feature):
         self._text = ""
 
     def report(self, report):
-        """Read anew only if a pin has changed."""
+        """Add the letters of active inputs, read anew only if a pin or setting has changed."""
         inputs = self._inputs
         levels = inputs.levels()
         if levels != self._levels or self._settings_of != self._settings.version:
@@ -29,4 +29,5 @@ class Pins(Feature):
             report["pins"] = self._text
 
     def _read_letters(self, read):
+        """Set the text of letters from the inputs that are active."""
         self._text = "".join([item[0] for item in self._shown if read(item[1])])

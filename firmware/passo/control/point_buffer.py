@@ -22,7 +22,7 @@ class PointBuffer:
         self._spare = None  # a chunk whose points have all been taken: the next one that is wanted
 
     def free(self):
-        """How many more points there is room for; 0 also when no memory is left for the next one."""
+        """Return how many more points there is room for; 0 also when no memory is left for the next one."""
         if self.count < self.capacity:
             try:
                 self._chunk_at((self._first + self.count) % self._size)
@@ -31,6 +31,7 @@ class PointBuffer:
         return self.capacity - self.count
 
     def _chunk_at(self, index):
+        """Return the chunk of point `index`, made if needed. Raises MemoryError."""
         chunk = self._chunks[index // _CHUNK]
         if chunk is None:
             chunk = self._chunks[index // _CHUNK] = self._spare or bytearray(POINT_BYTES * _CHUNK)
@@ -50,7 +51,7 @@ class PointBuffer:
         self.count += 1
 
     def reserve(self):
-        """(bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
+        """Return (bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
         high byte first; `count` is to be raised by how many they were. None if there is no room."""
         room = self.capacity - self.count
         if not room:
@@ -63,7 +64,7 @@ class PointBuffer:
             return None
 
     def take(self):
-        """The oldest point, as (x, y, tool); it leaves the store."""
+        """Remove and return the oldest point, (x, y, tool). The caller has seen that `count` > 0."""
         data = self._chunk_at(self._first)
         at = self._first % _CHUNK * POINT_BYTES
         self._first = (self._first + 1) % self._size

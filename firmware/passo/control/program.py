@@ -24,7 +24,7 @@ _PROBE_MAY_MISS = const(2)
 
 
 def minute_ticks(command):
-    """How long a motion lasts that has `per_min`."""
+    """Return the duration of a motion that has `per_min`, in ticks."""
     return 60_000 * TICKS_PER_S // command.per_min
 
 
@@ -51,7 +51,7 @@ class Program(LineBatches):
         }
 
     def on_events(self, what):
-        """Behind the stand of a hold a probe has done its work."""
+        """Finish PROBE with the position of the contact, once the hold has come to its stand."""
         if what & QUEUE_GONE and self._touch is not None and self._machine.busy_with(commands.PROBE):
             self._machine.finish((self._touch, True))
         self._touch = None
@@ -59,6 +59,7 @@ class Program(LineBatches):
     # --- motion
 
     def _accept_motion(self, command):
+        """Queue a LINE or ARC, or only check it. Returns 0, LATER, or an error; a target outside the travel is an alarm."""
         error = self._motion_error(command)
         if error:
             return error
@@ -84,7 +85,7 @@ class Program(LineBatches):
         return self._advance_target(command) if machine.checking else self._begin_motion(command)
 
     def _forbidden_error(self, command, note=True):
-        """0, or why a motion is forbidden; of an arc's plane it must allow both directions."""
+        """Return 0, or INTERLOCKED if a motion is forbidden; of an arc's plane it must allow both directions."""
         machine = self._machine
         if machine.checking:
             return 0
@@ -100,12 +101,12 @@ class Program(LineBatches):
         return error
 
     def _advance_target(self, command):
-        """Move the queue's end as if the motion had been queued: it is only checked."""
+        """Move the queue's target as if the motion had been queued: it is only checked."""
         self._queue.lead(command.target)
         return self._machine.confirm_command(command)
 
     def _followers_error(self, command):
-        """0, or the error of one of the lines that follow `command`: then none of them begins."""
+        """Return 0, or the error of one of the lines that follow `command`: then none of them begins."""
         self._set_limits()
         start = command.target
         for motion in command.also:
@@ -121,6 +122,7 @@ class Program(LineBatches):
         return 0
 
     def _begin_motion(self, command):
+        """Queue a checked motion. Returns 0, LATER until the planner has room, or an error."""
         if self._queue.room() < _BLOCKS_A_MOTION:
             return LATER
         if command.dots and self._lacks_dots(command.dots):
@@ -134,6 +136,7 @@ class Program(LineBatches):
         return self._machine.confirm_command(command)
 
     def _accept_jog(self, command):
+        """Queue JOG_TO. Returns 0, LATER, BUSY, or JOG_TRAVEL, which is no alarm."""
         machine = self._machine
         if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.axes_are_owned():
             error = self._motion_error(command) or self._length_error(command)
@@ -180,7 +183,7 @@ class Program(LineBatches):
         return True
 
     def _motion_error(self, command):
-        """0, LATER, or the error that forbids motion now."""
+        """Return 0, LATER, or the error that forbids motion now."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
@@ -191,6 +194,7 @@ class Program(LineBatches):
         return 0
 
     def _length_error(self, command):
+        """Return JOG_TRAVEL if the motion is longer than the planner counts (MAX_STEPS of an axis), else 0."""
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
         return errors.JOG_TRAVEL if longest > MAX_STEPS else 0
 
@@ -230,7 +234,7 @@ class Program(LineBatches):
         return len(dots) > (ring[DOTS_TAIL] - ring[DOTS_HEAD] - 1) & ring[DOTS_MASK]
 
     def _keep_dots(self, dots, last):
-        """Put the dots of a row where the feeder finds them; the power of its block."""
+        """Put the dots of a row into the ring that the feeder reads. Returns the power word of its block."""
         ring = self.dots
         first = head = ring[DOTS_HEAD]
         for level in dots:
@@ -241,7 +245,7 @@ class Program(LineBatches):
         return last | len(dots) << DOTS_COUNT | first << DOTS_FIRST
 
     def _is_full_circle(self, command):
-        """True for an arc that comes back to its start."""
+        """Return True for an arc that comes back to its start."""
         return command.kind == commands.ARC and any(command.centre) and (command.over_half or command.turns > 1)
 
     def _set_limits(self):
@@ -273,6 +277,7 @@ class Program(LineBatches):
     # --- probing
 
     def _begin_probe(self, command):
+        """Begin PROBE at a stand. `value`: _PROBE_AWAY, _PROBE_MAY_MISS. Returns 0, LATER, or an error."""
         machine = self._machine
         error = self._motion_error(command)
         if error:
@@ -303,7 +308,7 @@ class Program(LineBatches):
         return 0
 
     def _poll_probe(self, still):
-        """`still`: the machine stood before this call."""
+        """Stop at the probe's contact, or end PROBE without one. `still`: the machine stood before this call."""
         machine = self._machine
         command = machine.command
         queue = self._queue
@@ -320,7 +325,7 @@ class Program(LineBatches):
             latch.begin(*queue.lend())
 
     def _end_missed_probe(self, command, alarm):
-        """An alarm, if there is one, comes before the answer."""
+        """End PROBE without a contact. `alarm`: raised before the answer; 0: none."""
         machine = self._machine
         machine.command = None
         if alarm:
@@ -332,9 +337,11 @@ class Program(LineBatches):
     # --- what waits for the motion before it
 
     def _answer_sync(self, command):
+        """Answer SYNC once all motion before it has ended; until then return LATER."""
         return self._machine.gate() or self._machine.confirm_command(command)
 
     def _begin_dwell(self, command):
+        """Begin DWELL, `value` µs, rounded up to ms. Returns 0, LATER until the machine stands, or an error."""
         machine = self._machine
         result = machine.gate()
         if result:

@@ -16,10 +16,12 @@ class Quality:
         self.begin(0)
 
     def begin(self, runs):
+        """Begin `runs` runs; 0: measure nothing."""
         self._runs = self._left = runs
         self._edges = {}  # {(axis, side): [steps from the edge of the first run, of each]}
 
     def again(self, groups):
+        """End a run: keep the edges of its seekers. Returns True if another run is to follow."""
         if not self._runs:
             return False
         for group in groups:
@@ -30,7 +32,7 @@ class Quality:
         return self._left >= 0
 
     def _add_edge(self, key, beyond):
-        """The edge of a run lies `beyond` steps from that of the run before."""
+        """Keep a run's edge, which lies `beyond` steps from that of the run before."""
         edges = self._edges.get(key)
         if edges is None:
             self._edges[key] = []  # the first run began anywhere
@@ -38,9 +40,11 @@ class Quality:
             edges.append((edges[-1] if edges else 0) + beyond)
 
     def report(self):
+        """Return [(axis, side, runs, range, σ, drift)] in steps, σ in hundredths of one; None if nothing was measured."""
         return [self._judge_axis(key) for key in sorted(self._edges)] if self._runs else None
 
     def _judge_axis(self, key):
+        """Return the row of report() for (axis, side)."""
         edges = self._edges[key]
         runs = len(edges)
         mean = sum(edges) / runs

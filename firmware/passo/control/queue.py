@@ -39,7 +39,7 @@ class Queue:
         return list(self.position_view(edge))
 
     def position_view(self, edge=None):
-        """The same in an array that is good until something asks the feeder again."""
+        """Return position() in an array shared with the feeder, which the next question to it overwrites: allocates nothing."""
         return self._from_origin(self._feeder.position_view(self._player.words_played(), edge))
 
     def look(self, played=None):
@@ -68,30 +68,31 @@ class Queue:
             self.target[axis] = found[axis] - self._origin[axis]
 
     def shift(self, axis, steps):
-        """An axis stands `steps` further than has been stepped. Only at a stand; the target stays."""
+        """Correct the position: an axis stands `steps` further than has been stepped. Only at a stand; the target stays."""
         self._origin[axis] -= steps
 
     @micropython.native
     def room(self):
-        """How many more blocks can be queued now; none behind an arc that is not all queued yet."""
+        """Return how many more blocks can be queued now; none behind an arc that is not all queued yet."""
         return 0 if self.chords else room(self._planner.indices)
 
     @micropython.native
     def empty(self):
+        """Return True if the planner has no block left and no arc is being queued."""
         return self._planner.empty() and not self.chords
 
     @micropython.native
     def still(self):
-        """True when everything queued has been played to its last tick."""
+        """Return True when everything queued has been played to its last tick."""
         indices = self._planner.indices
         return indices[QUEUE_ADDED] == indices[QUEUE_RETIRED] and not self.chords and not self._player.busy()
 
     def standing(self):
-        """True when a hold has come to its stand."""
+        """Return True when a hold has come to its stand."""
         return self._feeder.standing() and not self._player.busy()
 
     def blocks_queued(self):
-        """How many blocks have been queued, for ever, modulo 2²⁹."""
+        """Return how many blocks have been queued since the start, modulo 2²⁹."""
         return self._planner.indices[QUEUE_ADDED]
 
     def retire(self):
@@ -103,14 +104,15 @@ class Queue:
         feeder.open = fed
 
     def blocks_played(self):
-        """And how many of them have been played to their last word."""
+        """Return how many blocks have been played to their last word, modulo 2²⁹."""
         return self._planner.indices[QUEUE_RETIRED]
 
     def silent(self):
-        """True while nothing plays."""
+        """Return True while nothing plays."""
         return not self._player.busy()
 
     def flush(self):
+        """Release all that is queued: nothing follows it. Of an arc in chords, behind the last one."""
         self.waiting = False
         if self.chords:
             self.chords.flush = True
@@ -118,7 +120,7 @@ class Queue:
             self._planner.flush()
 
     def inside(self, target):
-        """True if `target` is within the machine's travel."""
+        """Return True if `target` (steps) is within the machine's travel."""
         for axis in range(len(target)):
             low, high = self.reach(axis)
             if not low <= target[axis] <= high:
@@ -126,7 +128,7 @@ class Queue:
         return True
 
     def reach(self, axis):
-        """(lowest, highest) position of an axis. One that homes at its high end has its zero there."""
+        """Return the (lowest, highest) position of an axis in steps. One that homes at its high end has its zero there."""
         config = self._axes[axis]
         homing = self._board["homing"]
         if homing and config["name"] in homing["high_end"]:
@@ -136,20 +138,21 @@ class Queue:
     # --- adding
 
     def tool_ms(self, on):
+        """Return how long a change of the tool takes, ms: tool.on_ms or tool.off_ms."""
         return self._board["tool"]["on_ms" if on else "off_ms"]
 
     def tool_ticks(self, on):
-        """Ticks that a change of the tool takes, at least one, so that it shows on the pin."""
+        """Return the ticks that a change of the tool takes, at least one, so that it shows on the pin."""
         return max(self.tool_ms(on) * TICKS_PER_MS, 2 * self._feeder.min_word_ticks)
 
     def set_tool(self, on, tag):
-        """Tool on or off at the queue's end, and the time it takes."""
+        """Queue a change of the tool and the time it takes. `tag`: the number of its block."""
         self.tool = on
         self._planner.wait(self.tool_ticks(on), on, tag)
         self.waiting = True
 
     def lift(self, tag=0):
-        """Tool off at the queue's end, and time for it to get there."""
+        """Queue the tool off, and the time it takes, if it is on at the queue's end."""
         if self.tool:
             self.set_tool(False, tag)
 
@@ -163,7 +166,7 @@ class Queue:
         self.waiting = True
 
     def deltas(self, target):
-        """Steps of each axis from the queue's end to `target`, in a list that the next call overwrites."""
+        """Return the steps of each axis from the queue's end to `target`, in a list that the next call overwrites."""
         deltas = self._deltas
         here = self.target
         count = len(target)
@@ -172,13 +175,13 @@ class Queue:
         return deltas
 
     def lead(self, target):
-        """Say that the queue ends at `target` (the first axes)."""
+        """Set `target`: the queue ends at `target` (the first axes)."""
         here = self.target
         for axis in range(len(target)):
             here[axis] = target[axis]
 
     def _change_tool(self, tool, tag):
-        """A tool that takes no time changes as the motion begins."""
+        """Queue a change of the tool ahead of a motion; a tool that takes no time changes as the motion begins."""
         if tool != self.tool and self.tool_ms(tool):
             self.set_tool(tool, tag)
         self.tool = tool
@@ -212,11 +215,11 @@ class Queue:
         self.flush()
 
     def index(self):
-        """The index in the step program under way, exact at this moment; None if there is none."""
+        """Return the index in the step program under way, exact at this moment; None if there is none."""
         return self._feeder.index(self._player.words_played())
 
     def spot(self):
-        """(index in the step program under way or None, position), of one moment; the position as of position_view()."""
+        """Return (index in the step program under way or None, position), of one moment; the position as of position_view()."""
         index, found = self._feeder.spot(self._player.words_played())
         return index, self._from_origin(found)
 
@@ -231,7 +234,7 @@ class Queue:
         self.flush()
 
     def settle(self):
-        """Say that the queue ends where the machine stands. Only at a stand."""
+        """Set `target` to the position of the machine. Only at a stand."""
         self.lead(self.position_view())
 
     # --- stopping
@@ -261,7 +264,7 @@ class Queue:
             self.target[axis] = position[axis] - self._origin[axis]
 
     def dynamic(self):
-        """True if the power of the block under way, or of the last one, follows the speed."""
+        """Return True if the power of the block under way, or of the last one, follows the speed."""
         planner = self._planner
         at = planner.row()
         return planner.dynamic if at < 0 else planner.rows[at + ROW_DYNAMIC] > 0
@@ -274,7 +277,7 @@ class Queue:
             self._show_power(not self.dynamic())
 
     def _show_power(self, on):
-        """At a stand: the power of the last mark, or none until the next."""
+        """Show the power of the last mark, or none until the next. Only at a stand."""
         self.analogue.show(self._player.words_played(), on)
         self.power(self.analogue.level)
 
@@ -283,10 +286,11 @@ class Queue:
         return self._feeder, self._player
 
     def hold(self, on):
+        """Bring the machine to a stand, or let it go on."""
         self._feeder.set_hold(on)
 
     def lit(self):
-        """True while the tool's bit is on at the pins."""
+        """Return True while the tool's bit is on at the pins."""
         played = self._player.words_played()
         if self._rested is not None and self._rested_at == played:
             return self._rested
@@ -294,13 +298,13 @@ class Queue:
         return bool(ring.words[(played - 1) & ring.mask] & self._feeder.layout.tool_mask)
 
     def pins(self, tool):
-        """The pins as the last word has left them, no step's pulse among them, and the tool on or off."""
+        """Return the pins as the last word has left them, no step's pulse among them, and the tool on or off."""
         layout, ring = self._feeder.layout, self._feeder.ring
         levels = ring.words[(self._player.words_played() - 1) & ring.mask] & layout.levels_mask
         return levels & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if tool else 0)
 
     def rest(self, tool):
-        """Tool on or off while the machine stands and nothing plays."""
+        """Switch the tool's pin and power now, while the machine stands and nothing plays."""
         self._rested = tool
         self._rested_at = self._player.words_played()
         self._player.rest(self.pins(tool))

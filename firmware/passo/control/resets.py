@@ -16,6 +16,7 @@ class Resets(Feature):
         }
 
     def _reset_machine(self, command):
+        """Begin anew, as grbl's soft reset: amid motion or homing an alarm, as the position may be lost."""
         machine = self._machine
         alarm = 0
         kind = commands.RESET if machine.command is None else machine.command.kind
@@ -36,6 +37,7 @@ class Resets(Feature):
         return machine.confirm_command(command)
 
     def _unlock_machine(self, command):
+        """End an alarm. Returns 0, LOCKED if only a reset or homing ends it, or DOOR_OPEN."""
         machine = self._machine
         if machine.sleeping or machine.alarm in errors.NEED_RESET:
             return errors.LOCKED
@@ -48,6 +50,7 @@ class Resets(Feature):
         return machine.confirm_command(command)
 
     def _set_check_mode(self, command):
+        """Switch check mode on (`value` 1) or off, which resets the machine. Returns 0, or BUSY unless idle."""
         machine = self._machine
         if command.value:
             if machine.state != "idle":
@@ -60,6 +63,7 @@ class Resets(Feature):
         return self._reset_machine(command)
 
     def _enter_sleep(self, command):
+        """Switch everything off until RESET."""
         machine = self._machine
         machine.shut_down(ANEW)
         machine.guarded = 0

@@ -28,7 +28,7 @@ class Sensor:
             self._latch.begin(*self._kept[0].lend())
 
     def sample(self, now_ms, position):
-        """Look once; `position` is where the axis stands. Call it at least once a step and once a millisecond."""
+        """Read the input once; `position`: of the axis, in steps. Call it at least once a step and once a millisecond."""
         passed_ms = (now_ms - self.last_ms) & 0x1FFFFFFF
         self.last_ms = now_ms
         pending = self.pending

@@ -25,7 +25,7 @@ class SpindleSpeed(Feature):
         self._rpm = 0
 
     def target_rpm(self):
-        """S with its override, within $31 and $30: thousandths of a turn a minute. Computed anew only when it changes: that
+        """Return S with its override, within $31 and $30, in thousandths of rpm. Computed anew only when it changes: that
         allocates."""
         machine = self._machine
         settings = machine.settings
@@ -38,17 +38,17 @@ class SpindleSpeed(Feature):
         return self._rpm
 
     def expect(self, turns):
-        """The spindle has been switched: if it `turns`, it is not at speed before that has been measured."""
+        """Expect a spindle that `turns` or stands: one that turns is not at speed until that is measured."""
         self.at_speed = not turns
 
     def begin(self, now_ms):
-        """Another speed is wanted from now on."""
+        """Begin to wait for another speed, for spin_up_ms at most."""
         self._since_ms = now_ms
         self._reached = False
         self._slow = 0
 
     def falls_behind(self, speed, wanted):
-        """Judge a speed as measured. True if it has fallen behind for too long; both in any unit, `wanted` above 0."""
+        """Judge a measured speed, in the unit of `wanted` > 0. Returns True if, once reached, it was below half of it three times."""
         if abs(speed - wanted) * 100 <= wanted * self._percent:
             self._reached = True
             self._slow = 0
@@ -58,7 +58,7 @@ class SpindleSpeed(Feature):
         return self._slow >= _SLOW
 
     def late(self, now_ms):
-        """True if it has not been reached in spin_up_ms."""
+        """Return True if the speed has not been reached within spin_up_ms."""
         return not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms
 
     def ready(self):

@@ -84,7 +84,7 @@ class MachineState:
         self.guard()
 
     def join(self, features):
-        """`features`: all there are. Called once, by the controller."""
+        """Take over `features`, all there are: their handlers and overridden methods. Called once, by the controller."""
         self._features = features
         self.actives = overriding(features, "owns_axes")
         self._held = overriding(features, "is_held")
@@ -100,7 +100,7 @@ class MachineState:
     @property
     @micropython.native
     def state(self):
-        """In a word, as a status report has it."""
+        """The state in a word, as a status report has it: idle, run, hold, jog, home, door, alarm, check or sleep."""
         if self.sleeping:
             return "sleep"
         if self.alarm:
@@ -120,25 +120,27 @@ class MachineState:
         return "run" if command or self.drawing or self.active or self.actives and self.axes_are_owned() else "idle"
 
     def busy_with(self, kind):
+        """Return True if the long command under way is of this kind."""
         return self.command is not None and self.command.kind == kind
 
     def is_at_speed(self):
+        """Return True if the spindle is at speed, or nothing measures it."""
         return self.gauge is None or self.gauge.at_speed
 
     def fine(self):
-        """True while inputs decide where the machine stops: cycles of the main loop should be short."""
+        """Return True while inputs decide where the machine stops: cycles of the main loop should be short."""
         command = self.command
         return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
 
     def axes_are_owned(self):
-        """True while a feature has the axes to itself; ask only if there are `actives`, that may."""
+        """Return True while a feature has the axes to itself; ask only if there are `actives`, whose features may."""
         for active in self.actives:
             if active():
                 return True
         return False
 
     def unready(self):
-        """0, or why nothing may move now."""
+        """Return 0, or the error that forbids all motion now: LOCKED, NO_MOTORS or NOT_HOMED."""
         if self.alarm or self.sleeping:
             return errors.LOCKED
         if self.detached:
@@ -146,7 +148,7 @@ class MachineState:
         return errors.NOT_HOMED if self._homing_first and not self.homed else 0
 
     def interlock_error(self, steps, tool=False, note=True):
-        """0, or INTERLOCKED if steps of these signs (None or 0: none), or the tool, are forbidden now. `note`: log the
+        """Return 0, or INTERLOCKED if steps of these signs (None or 0: none), or the tool, are forbidden now. `note`: log the
         input."""
         veto = self.veto
         if veto is None or not veto.denied:
@@ -159,7 +161,7 @@ class MachineState:
         return errors.INTERLOCKED
 
     def gate(self):
-        """0, LATER, or an error: for commands that wait until the motion before them has ended."""
+        """Return 0, LATER, or LOCKED: for commands that wait until the motion before them has ended."""
         if self.alarm or self.sleeping:
             return errors.LOCKED
         if self.command is not None or self.drawing or not self.settle():
@@ -167,14 +169,14 @@ class MachineState:
         return 0
 
     def settle(self):
-        """True if all motion has ended. If not, release what is queued, so that it will."""
+        """Return True if all motion has ended. If not, release what is queued, so that it will."""
         if self.queue.still():
             return True
         self.queue.flush()
         return False
 
     def report(self, answers=False):
-        """The status report: one dict, which the next call fills in anew. Looks at the queue (Queue.look()) and asks every feature.
+        """Return the status report: one dict, which the next call fills in anew. Looks at the queue (Queue.look()) and asks every feature.
         `answers`: it answers STATUS, so the number logged last counts as told."""
         report = self._report
         self.queue.look()
@@ -193,7 +195,7 @@ class MachineState:
         return report
 
     def substate(self):
-        """grbl's number behind Hold: (0 at a stand, 1 on the way there) and Door: (0 ready, 1 open, 2 on the way to its
+        """Return grbl's number behind Hold: (0 at a stand, 1 on the way there) and Door: (0 ready, 1 open, 2 on the way to its
         stand, 3 resuming)."""
         door = self.hold == "door"
         if self.resuming:
@@ -205,13 +207,14 @@ class MachineState:
     # --- events
 
     def confirm_command(self, command, value=None):
+        """Tell the link that `command` is accepted; `value`: its answer. Returns 0."""
         event = command.reply or Event(ACCEPTED, command)
         event.value = value
         self.events.append(event)
         return 0
 
     def finish(self, value=None):
-        """The long command has done what it was asked."""
+        """End the long command: its link gets the event FINISHED with `value`."""
         command = self.command
         self.command = None
         self.events.append(Event(FINISHED, command, 0, value))
@@ -221,22 +224,24 @@ class MachineState:
         self.events.append(event)
 
     def notice(self, number, value=None):
+        """Tell all links notice `number` of errors.py."""
         self.events.append(Event(NOTICE, None, number, value))
 
     # --- what concerns all of it
 
     def carry_out(self, kind):
-        """As a command without a link: a button, or a feature that wants something of another one."""
+        """Carry out a command without a link: of a button, or of a feature that asks another one. Its result is ignored."""
         handler = self.handlers.get(kind)
         if handler:
             self.awake = True
             handler(Command(kind))
 
     def note_motion(self):
-        """Say that motion of a program has been queued."""
+        """Note that motion of a program has been queued."""
         self.active = self.fresh = self.awake = True
 
     def show_outputs(self, on):
+        """Switch the features' outputs as set, or all off (`on` False: the door)."""
         for feature in self._features:
             feature.show_outputs(on)
 
@@ -285,7 +290,7 @@ class MachineState:
         self.forget(HANDED_OVER)
 
     def lose_position(self):
-        """Nobody knows any more where the motors are."""
+        """Mark the position as unknown: no axis is homed, and the journal's count is no longer whole."""
         self.homed = False
         self.known = 0
         self.cautious = True
@@ -305,13 +310,14 @@ class MachineState:
         return error or self._keep_settings(before, frame)
 
     def restore_settings(self, numbers, texts):
-        """As Settings.restore(), and keep it. 0, or MEMORY."""
+        """Restore settings as Settings.restore(), and save. Returns 0, or MEMORY: then nothing has changed."""
         settings = self.settings
         before, frame = settings.snapshot(), settings.frame()
         settings.restore(numbers, texts)
         return self._keep_settings(before, frame)
 
     def _keep_settings(self, before, frame):
+        """Save changed settings. Returns 0, or MEMORY: then all counts again as `before`. Another base of positions: the position is lost."""
         error = self.settings.save(before)
         if frame != self.settings.frame():
             self.lose_position()
@@ -354,18 +360,19 @@ class MachineState:
         self.notice(errors.NOTICE_HOMING_REQUIRED, axes)
 
     def break_off_homing(self):
-        """Homing has been stopped amid its way: the position is lost, and the machine is locked as at the start."""
+        """End homing that was stopped on its way: the position is lost, and the machine is locked as at the start."""
         self.lose_position()
         if self._locks:
             self.alarm = errors.ALARM_LOCKED
 
     def unlock(self):
+        """End the alarm; the next motion brings a warning if soft limits do not hold."""
         self.guarded = 0
         self.alarm = 0
         self.cautious = True
 
     def caution(self):
-        """The first motion begins after the position was lost, or the machine unlocked."""
+        """Warn at the first motion after the position was lost, or the machine unlocked."""
         self.cautious = False
         self.warn()
 

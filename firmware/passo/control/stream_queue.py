@@ -37,7 +37,7 @@ class Chords:
         self.flush = False  # when the last has been added, the planner is to be flushed
 
     def add(self, planner):
-        """Queue the next one; one too short for a step is none."""
+        """Queue the next chord; one shorter than a step queues nothing."""
         deltas = self._ellipse.chord()
         self.left -= 1
         ticks = length_nm(deltas, self._steps_per_m) * TICKS_PER_S // self._nm_s
@@ -92,7 +92,7 @@ class StreamQueue(Queue):
                 self.chords = None
 
     def wait(self, ms, tag):
-        """Stand still for a while. Needs room for ms // 80 000 + 1 blocks."""
+        """Queue a stand of `ms` milliseconds. Needs room for ms // 80 000 + 1 blocks."""
         while ms > 0:
             part = min(ms, _LONGEST_MS)
             self._planner.wait(part * TICKS_PER_MS, self.tool, tag)
@@ -120,11 +120,11 @@ class StreamQueue(Queue):
         self._planner.fits(deltas, ticks, nm_s)
 
     def _line_ticks(self, deltas, nm_s, ticks):
-        """How long a line lasts without limits."""
+        """Return the ticks of a line at `nm_s` if the planner does not accelerate: `ticks`, if they are not 0."""
         return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
 
     def arc(self, command, ticks):
-        """An ARC: at its feed, or in `ticks` if they are not 0. Raises ValueError if neither the planner nor chords can."""
+        """Queue an ARC: at its feed, or in `ticks` if they are not 0. Raises ValueError if neither the planner nor chords can."""
         target, tool = command.target, command.tool
         deltas = self.deltas(target)
         planner = self._planner
@@ -151,7 +151,7 @@ class StreamQueue(Queue):
         self.waiting = True
 
     def follow(self, chords, command):
-        """Go to the end of a motion by `chords`, as Chords."""
+        """Queue a motion as `chords`, a Chords or the like: as many as there is room for, the rest by feed()."""
         self._change_tool(command.tool, command.number)
         self.chords = chords
         self.feed()
@@ -159,7 +159,7 @@ class StreamQueue(Queue):
         self.waiting = True
 
     def _cut_into_chords(self, command, deltas, plane, ticks):
-        """Chords along an arc, v²/R within the accelerations of the plane's axes."""
+        """Return the Chords of an arc, v²/R within the accelerations of the plane's axes. Raises ValueError."""
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
         ellipse = Ellipse(deltas, plane, command.centre, steps_per_m, command.clockwise, command.turns - 1, command.over_half)
         nm_s = ellipse.length_nm * TICKS_PER_S // ticks if ticks else command.feed
@@ -167,9 +167,9 @@ class StreamQueue(Queue):
         return Chords(ellipse, nm_s, command.tool, command.number, steps_per_m, accelerations, slowest)
 
     def ticks_at(self, deltas, nm_s):
-        """How long a line lasts at a speed along the path."""
+        """Return the ticks of a line of `deltas` (steps) at `nm_s` along the path."""
         return length_nm(deltas, [axis["steps_per_m"] for axis in self._axes]) * TICKS_PER_S // nm_s
 
     def slow_tool(self):
-        """True if a change of the tool takes time."""
+        """Return True if a change of the tool takes time."""
         return self.tool_ms(True) + self.tool_ms(False) > 0

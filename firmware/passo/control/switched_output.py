@@ -8,7 +8,7 @@ from passo.control.feature import Feature
 
 
 def output_of(board, what):
-    """The name of the output that is called so: `vacuum` or p0_vacuum … p9_vacuum."""
+    """Return the name of the output that is called so: `vacuum` or p0_vacuum … p9_vacuum."""
     return [item["name"] for item in board["outputs"] if item["name"].rpartition("_")[2] == what][0]
 
 
@@ -26,12 +26,13 @@ class SwitchedOutput(Feature):
         return {commands.CODE + 10: self._switch_on, commands.CODE + 11: self._switch_off} if self._own else None
 
     def guard(self, handlers):
-        """M64 and M65 of this number are not for another feature's outputs."""
+        """Put M64 and M65 of this output's number before the handlers of other features."""
         if self._number >= 0:
             for code, handler in ((64, self._switch_on), (65, self._switch_off)):
                 handlers[commands.CODE + code] = self._by_number(handler, handlers.get(commands.CODE + code))
 
     def _by_number(self, own, other):
+        """Return a handler: `own` for this output's number, `other` (None: NUMBER_RANGE) for all others."""
         def handle(command):
             if command.value == self._number:
                 return own(command)
@@ -50,6 +51,7 @@ class SwitchedOutput(Feature):
         return self._switch_to(command, False)
 
     def _switch_to(self, command, on):
+        """Switch the output at a stand. Returns 0, LATER, or an error."""
         machine = self._machine
         result = machine.gate()
         if result or machine.checking:
@@ -62,9 +64,10 @@ class SwitchedOutput(Feature):
         return machine.confirm_command(command)
 
     def unfit_to_end(self):
-        """0, or why it may not be switched off now."""
+        """Return 0, or the error that forbids to switch it off now."""
         return 0
 
     def put(self, on):
+        """Switch the output now."""
         self.on = on
         self._machine.port.output(self._name, on)

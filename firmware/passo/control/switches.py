@@ -31,7 +31,7 @@ class Switches(Feature):
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
 
     def _limit_watches(self, board, port):
-        """[(watch of the pin's interrupt, sensor, the board file's active level)] of the limits."""
+        """Return [(watch of the pin's interrupt, sensor, the board file's active level)] of the limits."""
         watches = []
         items = {item["name"]: item for item in board["inputs"]}
         for name, sensor in self._limits:
@@ -41,6 +41,7 @@ class Switches(Feature):
         return watches
 
     def _apply_invert(self):
+        """Apply $21 and $5 to the limits: whether they are watched, and the level at which they are active."""
         self._hard = bool(self._settings.value(table.HARD_LIMITS))
         turned = 1 if self._settings.mask_change(table.LIMIT_INVERT) else 0
         if turned != self._turned:
@@ -49,12 +50,13 @@ class Switches(Feature):
                 watch.turn(level ^ turned)
 
     def _arm_limits(self, armed):
-        """Limits stop the player while they are watched; one that has been active is no news."""
+        """Let the interrupts of limits stop the player, or not. A limit that is active already does not."""
         self._armed = armed
         for watch, sensor, _ in self._watches:
             watch.arm(armed and not sensor.active)
 
     def _make_sensor(self, name):
+        """Make a Sensor of an input, debounced by $26."""
         read = self._inputs.read
         sensor = Sensor(lambda: read(name), self._settings.value(table.HOMING_DEBOUNCE))
         self._sensors.append(sensor)
@@ -73,6 +75,7 @@ class Switches(Feature):
                 self._arm_limits(armed)
 
     def _sample_all(self, now_ms):
+        """Sample buttons, and limits if watched; carry out the command of a button pressed."""
         machine = self._machine
         for sensor in self._sensors:
             if not sensor.pending:
@@ -95,6 +98,7 @@ class Switches(Feature):
         self._armed = None
 
     def _poll_limits(self, now_ms):
+        """Raise ALARM_HARD_LIMIT if a limit has become active, except while homing."""
         machine = self._machine
         command = machine.command
         watching = machine.alarm in errors.WATCHED and (command is None or command.kind != commands.HOME)

@@ -30,7 +30,7 @@ class Tools(Feature):
         machine.overrides = [100, 100, 100]  # feed, rapid, spindle
 
     def on_events(self, what):
-        """Spindle and coolant off; with ANEW all is as after power-up."""
+        """Switch spindle and coolant off; with ANEW all is as after power-up."""
         machine = self._machine
         machine.spindle = SPINDLE_OFF
         machine.power = machine.coolant = 0
@@ -79,6 +79,7 @@ class Tools(Feature):
         }
 
     def _turn_spindle(self, command):
+        """Switch the spindle or laser: `value` 3, 4 or SPINDLE_OFF, `power` in millionths. Returns 0, LATER, or an error."""
         machine = self._machine
         laser = machine.settings.value(table.LASER)
         if machine.alarm or machine.sleeping:
@@ -125,6 +126,7 @@ class Tools(Feature):
         return machine.confirm_command(command)
 
     def _set_coolant(self, command):
+        """Set the coolant, mask `value`, at a stand. Returns 0, LATER, or an error."""
         machine = self._machine
         result = machine.gate()
         if result:
@@ -135,13 +137,14 @@ class Tools(Feature):
         return machine.confirm_command(command)
 
     def show_outputs(self, on):
-        """Coolant and the spindle's direction; all of them off while the door holds the machine."""
+        """Switch coolant and the spindle's direction as set, or all of them off (`on` False: the door holds the machine)."""
         self._cools = self._machine.coolant if on else 0
         for name, shown in (("flood", self._cools & 1), ("mist", self._cools & 2), ("reverse", on and self._machine.spindle == 4)):
             if name in self._outputs:
                 self._port.output(name, bool(shown))
 
     def _set_override(self, command):
+        """Set override `value`: to `power` percent, or by `feed` percent within 10 … 200; commands.ALL: all to 100."""
         which = command.value
         overrides = self._machine.overrides
         if which == commands.ALL:
@@ -154,14 +157,17 @@ class Tools(Feature):
         return self._machine.confirm_command(command)
 
     def _override_motion(self):
+        """Give the planner feed and rapid override; jogs, probing and homing go at 100 %."""
         feed, rapid, _ = (100, 100, 0) if self._own else self._machine.overrides
         self._planner.override(feed, rapid)
 
     def _override_all(self):
+        """Apply all overrides."""
         self._override_motion()
         self._override_power()
 
     def _override_power(self):
+        """Apply the spindle override to the power, not below $31."""
         settings = self._machine.settings
         least = settings.value(table.MIN_RPM) * 1000 // settings.value(table.MAX_RPM)
         self._queue.analogue.adjust(self._machine.overrides[2], min(least, 999))
