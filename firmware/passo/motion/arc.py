@@ -37,13 +37,14 @@ class Plans:
         self.plans = zeros(ARC_FIELDS * ARCS)
 
     def clear(self):
+        """Forget the blocks that use the slots: all are free. Only while no arc is queued."""
         for slot in range(ARCS):
             self._users[slot] = -1
         self.oldest = -1
         self.used = False
 
     def keep(self, number):
-        """Keep `plan` for the block of this number; where it begins in `plans`."""
+        """Copy `plan` to the next slot, for the block of this number. Returns the index in `plans` where the copy begins."""
         slot = self._next
         self.used = True
         self._users[slot] = number
@@ -55,8 +56,8 @@ class Plans:
 
 
 def region_of(x, y, leaving):
-    """(region, u, w) of a point on a counter-clockwise arc; one on a diagonal belongs to the region being left or
-    entered."""
+    """Return (region, u, w) of a point on a counter-clockwise arc, in steps from the centre. A point on a diagonal belongs to the region that is left
+    (`leaving`) or entered. Raises ValueError for the centre itself."""
     for region in range(4):
         u, w = ((y, x), (-x, y), (-y, -x), (x, -y))[region]
         if w > abs(u) or w > 0 and w == (u if leaving else -u):
@@ -65,14 +66,14 @@ def region_of(x, y, leaving):
 
 
 def nearest(square, u):
-    """The w whose u² + w² is nearest to `square`."""
+    """Return the w ≥ 0, in steps, whose u² + w² is nearest to `square`."""
     w = isqrt(max(square - u * u, 0))
     below = square - u * u - w * w
     return w + 1 if 2 * w + 1 - below < below else w
 
 
 def _rise(square, u):
-    """asin(u / R) in 2⁻³² turn, signed."""
+    """Return asin(u / √square) in 2⁻³² turn, signed: −¼ … ¼ turn."""
     if u * u >= square:
         return QUARTER if u > 0 else -QUARTER
     angle, _ = vector(isqrt((square - u * u) << 40), u << 20)
@@ -130,7 +131,7 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
 
 
 def _straight(into, plane, deltas):
-    """The plan of an arc without a step along the circle."""
+    """Fill in the plan of an arc without a step along the circle. Returns (length in 2⁻¹⁰ steps, 0), as plan() does."""
     for which in range(ARC_REGION, ARC_FIELDS):
         into[which] = 0
     z = deltas[plane[2]] if plane[2] >= 0 else 0
@@ -140,8 +141,8 @@ def _straight(into, plane, deltas):
 
 
 def _measure(into, square, end, quarters, z):
-    """The lengths in the plan of an arc to `end`, and the third axis's steps. In a piece of its own: a board that has run
-    for a while may have no room for both in one piece."""
+    """Fill in the lengths of an arc to `end` (u, w), and the third axis's `z` steps. Returns and raises what plan() does. It is apart from plan()
+    because a board that has run for a while may have no room for both in one piece."""
     u, inside, across, steps = into[ARC_U], into[ARC_INSIDE], into[ARC_ACROSS], into[ARC_STEPS]
     swept = _rise(square, end[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
     shift = 0  # fraction bits that bring the radius to 2²⁸ … 2²⁹
@@ -177,7 +178,8 @@ def _measure(into, square, end, quarters, z):
 
 
 def _steps(square, inside, across, start, end_u, quarters, end_x, end_y):
-    """(steps of the circle from `start`, as of region_of(), to the end's region and `end_u`; (u, w) there; from there to the end)."""
+    """Return (steps of the circle from `start`, as of region_of(), to the end's region and `end_u`; (u, w) there; steps (x, y) from there to the
+    end)."""
     region, u, w = start
     if quarters:
         steps = inside - u + (quarters - 1) * (inside + across) + end_u + across

@@ -60,7 +60,8 @@ def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, delta
 
 
 def shares(start, end, swept):
-    """The largest shares, of 2²⁸, that two axes have of the radius on the way from `start` to `end`, seen from the centre."""
+    """Return the largest shares, of 2²⁸, that the two axes have of the radius on the way from `start` to `end`, vectors from the centre. `swept`:
+    angle in 2⁻³² turn."""
     found = []
     for axis in range(2):
         # An arc of less than half a turn crosses an axis if the other coordinate changes its sign.
@@ -72,12 +73,14 @@ def shares(start, end, swept):
 
 
 def _share(point, axis):
+    """Return the share, 0 … 2²⁸, that an axis has of the length of the vector `point`."""
     radius = isqrt((point[0] * point[0] + point[1] * point[1]) << 40)
     return min((abs(point[axis]) << 48) // radius, ONE)
 
 
 def _arc_limits(limits, plan, plane, center, reach, lengths, asked):
-    """(highest speed, acceleration) along the path of an arc; `lengths` of it in the plane, along the third axis, in all."""
+    """Return (highest speed in nm/s, acceleration in nm/s²) along the path of an arc; both are 1 at least. `lengths`, nm: in the plane, along the
+    third axis, in all; `asked`: the speed asked for in nm/s, 0: the highest."""
     flat, rise, length = lengths
     steps = isqrt((center[0] * center[0] + center[1] * center[1]) << 20)  # of 2⁻¹⁰
     radius = steps * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
@@ -123,7 +126,7 @@ def _beside(limits, plane, reach, other, most, along):
 
 
 def _set_direction(scratch, at, limits, plane, point, clockwise, flat, rise, length):
-    """The arc's direction, of 2²⁸, at `point` seen from its centre."""
+    """Write the arc's direction at `point`, a vector from its centre, to scratch[at:], of 2²⁸ for each axis. `flat`, `rise` and `length` in nm."""
     x, y = point
     radius = isqrt((x * x + y * y) << 40) or 1  # so fine that the direction's length is 1 to 10⁻⁶, on any radius
     sign = -1 if clockwise else 1

@@ -42,12 +42,8 @@ COARSE = const(13)  # fraction bits of CIRCLE_PATH
 
 
 def turns_off(cross, dot, over_half):
-    """Turns to add (−1, 0 or 1) to the angle between start and end in whole steps, which is above 0 and at most a full turn.
-
-    Rounding to steps may bring the end of a short arc behind its start, which would make it a full turn, and the end of a
-    nearly full one before it. `over_half`: the arc as programmed sweeps more than half a turn, full ones aside; None: not
-    known. `cross` and `dot`: products of the two radii in steps, the angle's sense positive.
-    """
+    """Return the turns (−1, 0 or 1) to add to the angle between start and end in whole steps, which is above 0 and at most a full turn. `cross` and
+    `dot`: the products of the two vectors; `over_half`: as of arc.plan()."""
     if dot <= 0 or over_half is None:
         return 0
     if over_half:

@@ -23,7 +23,7 @@ _LONGEST = const(255)  # most words of a run, so that no product here reaches 2Â
 
 @micropython.viper
 def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
-    """See above."""
+    """Take up the arc whose plan is plans[first : first + ARC_FIELDS]; see Circle.load()."""
     i = 0
     while i < ARC_FIELDS:
         state[i] = plans[first + i]
@@ -39,7 +39,7 @@ def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
 
 @micropython.viper
 def run(state: ptr32) -> int:  # ISR: no allocation
-    """See above."""
+    """Set up the next run of steps with one slope, or the last line; see Circle."""
     part = state[ARC_PATH_FINE] + int(sign_extend(state[CIRCLE_USED]))
     state[ARC_PATH] = state[ARC_PATH] - (part >> 20)
     state[ARC_PATH_FINE] = part & 0xFFFFF
@@ -296,7 +296,7 @@ def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
 
 @micropython.viper
 def climb(out: ptr32, at: int, count: int, state: ptr32) -> int:  # ISR: no allocation
-    """Add the third axis to the masks. Returns its steps."""
+    """Add the third axis's steps to the masks out[at : at + count]. Returns how many it takes."""
     rise = state[CIRCLE_Z_RISE]
     height = state[CIRCLE_Z_BETWEEN]
     third = 1 << state[ARC_AXIS_Z]
@@ -315,7 +315,7 @@ def climb(out: ptr32, at: int, count: int, state: ptr32) -> int:  # ISR: no allo
 
 @micropython.viper
 def count_steps(state: ptr32, made: int, axis: int, steps: int):  # ISR: no allocation
-    """Add an axis's steps, in its direction, to those made."""
+    """Add an axis's `steps`, in its direction, to those in `made`."""
     if state[CIRCLE_NEGATIVE] >> axis & 1:
         steps = 0 - steps
     state[made + axis] = state[made + axis] + steps

@@ -30,6 +30,7 @@ _INVERSE_GAIN = 667681663043  # of the product of √(1 + 2⁻²ⁱ), in 2⁻⁴
 
 
 def _bits(value):
+    """Return the number of binary digits of `value` ≥ 0."""
     count = 0
     while value:
         value >>= 1
@@ -38,7 +39,8 @@ def _bits(value):
 
 
 def rotate(x, y, angle):
-    """(x, y) turned about 0;0 by `angle`, rounded to integers."""
+    """Return (x, y) turned about 0;0 by `angle` (2⁻³² turn, counter-clockwise), rounded to integers: within one step for every radius. CORDIC, see
+    above."""
     iterations = min(_bits(abs(x) | abs(y)) + 4, _FINEST)
     angle &= TURN - 1
     quarters = (angle + (QUARTER >> 1)) // QUARTER
@@ -59,7 +61,7 @@ def rotate(x, y, angle):
 
 
 def vector(x, y):
-    """(angle, 0 … 2³² − 1, and length) of the vector (x, y). The angle is within 2⁻³¹ turn; that of 0;0 is 0."""
+    """Return (angle in 2⁻³² turn, 0 … 2³² − 1; length) of the vector (x, y). The angle is within 2⁻³¹ turn; that of 0;0 is 0. CORDIC, see above."""
     if not x and not y:
         return 0, 0
     quarters = 0
@@ -83,5 +85,5 @@ def vector(x, y):
 
 
 def arc_length(radius, angle):
-    """Length of the arc of `angle` (2⁻³² turn) on `radius`, in the radius's unit, rounded."""
+    """Return the length of the arc of `angle` (2⁻³² turn) on `radius`, in the radius's unit, rounded."""
     return (radius * angle * 2 * PI_64 + (1 << 95)) >> 96

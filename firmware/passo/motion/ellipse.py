@@ -57,13 +57,13 @@ class Ellipse:
         self.length_nm = isqrt(self.flat_nm * self.flat_nm + rise * rise) if sweep else length_nm(deltas, steps_per_m)
 
     def inwards(self, accelerations):
-        """Return the most v²/R with which neither of the plane's two axes exceeds its own of `accelerations`."""
+        """Return the highest v²/R, in the unit of `accelerations`, at which neither of the plane's two axes exceeds its own of them."""
         end = self._deltas[self._a] - self._center[0], self._deltas[self._b] - self._center[1]
         reach = shares((self._x, self._y), (end[0] * self._wide, end[1] * self._high), abs(self._sweep))
         return min([(strongest << 28) // share for strongest, share in zip(accelerations, reach)])
 
     def chord(self):
-        """The next chord, in steps of all axes; the last ends at `deltas` exactly."""
+        """Return the next chord, in steps of all axes. The last one ends at `deltas` exactly. Only while `left` > 0."""
         self.left -= 1
         count = self._count
         i = count - self.left

@@ -6,7 +6,7 @@ from passo.records import NM_PER_M
 
 
 def isqrt(value):
-    """Floor of the square root of `value` ≥ 0, by Newton's iteration from above."""
+    """Return the floor of the square root of `value`, by Newton's iteration from above. Raises ValueError below 0."""
     if value < 0:
         raise ValueError("square root of a negative number")
     if value < 2:
@@ -22,7 +22,7 @@ def isqrt(value):
 
 
 def length_nm(deltas, steps_per_m):
-    """Euclidean length, in nanometres, of a vector of steps on axes of `steps_per_m` each."""
+    """Return the Euclidean length, in nanometres, of a vector of steps on axes of `steps_per_m` each."""
     total = 0
     for delta, resolution in zip(deltas, steps_per_m):
         along = abs(delta) * NM_PER_M // resolution
@@ -32,7 +32,7 @@ def length_nm(deltas, steps_per_m):
 
 @micropython.viper
 def divide(value: int, by: int, bits: int) -> int:  # ISR: no allocation
-    """value · 2ᵇⁱᵗˢ // by, the quotient below 2³⁰, for 0 < by < 2²²."""
+    """Return value · 2ᵇⁱᵗˢ // by, for 0 ≤ value, 0 < by < 2²² and a quotient below 2³⁰: long division, eight bits at a time."""
     quotient = value // by
     rest = value % by
     while bits > 0:

@@ -53,16 +53,16 @@ class Limits:
         self.fields = self._fields()
 
     def length(self, deltas):
-        """Of a vector of steps, in nanometres, 1 at least."""
+        """Return the length of a vector of steps in nanometres, 1 at least."""
         along = [(deltas[axis] * NM_PER_M << 16) // self.steps_per_m[axis] for axis in range(len(deltas))]
         return (isqrt(sum([part * part for part in along])) >> 16) or 1
 
     def part(self, speed):
-        """`speed` in nm/s as a fraction of the fastest, 1 at least."""
+        """Return `speed`, in nm/s, as a fraction of 2²⁸ of `fastest`, 1 at least."""
         return (speed << 28) // self.fastest or 1
 
     def _fields(self):
-        """LIMIT_… of records.py, for plan_block(): numbers, or floats as two of them."""
+        """Return LIMIT_… of records.py, for plan_block(): an array of numbers, and of short floats as two of them each."""
         fields = array("i", bytearray(4 * LIMIT_FIELDS))
         axes = len(self.steps_per_m)
         finest = 0
@@ -86,7 +86,7 @@ class Limits:
 
 
 def short_float(value, by, bits):
-    """(m, BIAS + e) with m · 2ᵉ next to value / by from below and m of `bits` bits."""
+    """Return (m, BIAS + e) with m · 2ᵉ next to value / by from below and m of `bits` bits; (0, BIAS) for 0."""
     if not value:
         return 0, BIAS
     shift = BIAS

@@ -14,7 +14,7 @@ from passo.records import *
 
 @micropython.viper
 def begin(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation
-    """Make ready for the vector rows[at : at + axes]; its dominant steps."""
+    """Make `state` ready for the vector rows[at : at + axes], for Bresenham's method. Returns its dominant steps."""
     axes = state[LINE_AXES]
     total = 0
     dominant = 0

@@ -124,16 +124,16 @@ class Planner:
 
     @micropython.native
     def room(self):
-        """How many more blocks can be queued now; none while it would be one arc too many."""
+        """Return how many more blocks can be queued now; 0 while the next arc has no free slot."""
         return room(self.indices)
 
     def empty(self):
-        """True when every block has been played to its last word."""
+        """Return True when every block has been played to its last word."""
         indices = self.indices
         return indices[QUEUE_ADDED] == indices[QUEUE_RETIRED]
 
     def ahead(self):
-        """How many blocks are queued behind the one under way."""
+        """Return how many blocks are queued behind the one under way."""
         indices = self.indices
         return (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & COUNT_MASK
 
@@ -186,7 +186,7 @@ class Planner:
                 refuse(done)
 
     def _ask(self, deltas, ticks, speed_nm_s):
-        """Tell plan_block() the speed asked for, or the ticks."""
+        """Write the speed along the path asked for, nm/s, or the ticks to scratch, for plan_block()."""
         scratch = self.scratch
         limits = self._limits
         if ticks:
@@ -200,7 +200,7 @@ class Planner:
         scratch[SCRATCH_ASKED] = -1 if ticks or speed_nm_s > FASTEST_NM_S else speed_nm_s  # beyond, it is asked for each time
 
     def fits(self, deltas, ticks, speed_nm_s):
-        """Raise what line() would; nothing is queued."""
+        """Raise ValueError if line() would refuse this line. Queues nothing. Allocates: not for an interrupt."""
         if self._fields is None:
             dominant(deltas, ticks)
             return
@@ -283,6 +283,7 @@ class Planner:
 
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
+        """Queue the block whose row begins at rows[at], and plan again the exits of those before it if motion goes through."""
         flags = 1 if tool else 0
         if rapid:
             flags |= 2
@@ -361,5 +362,5 @@ class Planner:
         return (self.indices[QUEUE_RETIRED] - 1 - back) % QUEUE_SIZE * self._stride
 
     def walker(self, at):
-        """The geometry that walk() queued in the row that begins at rows[at]."""
+        """Return the geometry that walk() queued in the row that begins at rows[at]."""
         return self._walkers[at // self._stride]

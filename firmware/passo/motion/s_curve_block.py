@@ -166,7 +166,7 @@ def need(state, fast, b):  # ISR: no allocation
 
 
 def at_end(state, q, double):  # ISR: no allocation
-    """q after the segment in which b is `double` / 2 on the average."""
+    """Return q after the segment in which b is `double` / 2 on the average, 0 … INT_MOST."""
     size = abs(double)
     most = state[RAMP_CHANGE]
     if state[S_CURVE_SLOW]:
@@ -183,12 +183,12 @@ def at_end(state, q, double):  # ISR: no allocation
 
 
 def mean(state, speed):  # ISR: no allocation
-    """Ticks of the segment's path at a mean `speed`."""
+    """Return the ticks of the segment's path at a mean `speed`, in units of the block."""
     return path_ticks(state[RAMP_PATH], state[S_CURVE_SPAN], speed or 1)
 
 
 def b_change(state, ticks):  # ISR: no allocation
-    """How much b may change in `ticks`."""
+    """Return how much b may change in `ticks`, 1 at least: what is lost in rounding counts in a later call."""
     shift = state[S_CURVE_RATE_SHIFT] - 1
     while ticks >= 0x8000:
         ticks >>= 1
@@ -201,7 +201,7 @@ def b_change(state, ticks):  # ISR: no allocation
 
 
 def half_ramp(state, speed):  # ISR: no allocation
-    """Half the ticks that it takes from rest to `speed`."""
+    """Return half the ticks that it takes from rest to `speed`, in units of the block."""
     speed >>= 1
     b = root_of(speed << 7, abs(state[S_CURVE_B]) << 7) >> 7
     limit = state[S_CURVE_LIMIT]
@@ -215,7 +215,7 @@ def half_ramp(state, speed):  # ISR: no allocation
 
 
 def quotient(value, by, bits):  # ISR: no allocation
-    """value · 2ᵇⁱᵗˢ / by to 2⁻¹⁰ or so, 2³⁰ − 1 at most."""
+    """Return value · 2ᵇⁱᵗˢ / by to 2⁻¹⁰ or so, 2³⁰ − 1 at most."""
     while by >= 0x200000:
         by >>= 1
         value >>= 1
@@ -224,7 +224,7 @@ def quotient(value, by, bits):  # ISR: no allocation
 
 @micropython.viper
 def scale(value: int, shift: int) -> int:  # ISR: no allocation
-    """value · 2ˢʰⁱᶠᵗ, 2³⁰ − 1 at most."""
+    """Return value · 2ˢʰⁱᶠᵗ, rounded down, 2³⁰ − 1 at most; value ≥ 0."""
     if shift <= 0:
         return value >> (0 - shift) if shift > -31 else 0
     return value << shift if shift < 30 and value <= 0x3FFFFFFF >> shift else 0x3FFFFFFF
@@ -252,7 +252,7 @@ def cube_root(push: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def ratio(part: int, other: int) -> int:  # ISR: no allocation
-    """part / (part + other), of 2¹⁴; both ≥ 0."""
+    """Return part / (part + other), of 2¹⁴; both ≥ 0."""
     while part >= 0x4000 or other >= 0x4000:
         part >>= 1
         other >>= 1

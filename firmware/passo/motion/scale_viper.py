@@ -15,7 +15,7 @@ INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF re
 
 @micropython.viper
 def size(value: int) -> int:  # ISR: no allocation
-    """|value| < 2³⁰. Bit 30 tells the sign: where viper is 64 bits wide it reads a negative number as a positive one."""
+    """Return |value|, which is below 2³⁰. Bit 30 tells the sign: where viper is 64 bits wide it reads a negative number as a positive one."""
     if value >> 30 & 1:
         value = 0 - value
     return value & 0x3FFFFFFF
@@ -23,13 +23,13 @@ def size(value: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def sign_extend(number: int) -> int:  # ISR: no allocation
-    """A number within ±2²⁹ that has been read out of an array: where viper is 64 bits wide it reads a negative one as positive."""
+    """Return a number within ±2²⁹ that has been read out of an array: where viper is 64 bits wide it reads a negative one as positive."""
     return ((number + INT_HALF) & INT_MOST) - INT_HALF
 
 
 @micropython.viper
 def lift(value: int, least: int) -> int:  # ISR: no allocation
-    """How often `value` > 0 has to be doubled to reach `least`."""
+    """Return how often `value` > 0 has to be doubled to reach `least`."""
     shift = 0
     while value < least:
         value <<= 1
@@ -39,7 +39,7 @@ def lift(value: int, least: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def drop(value: int, most: int) -> int:  # ISR: no allocation
-    """How often `value` ≥ 0 has to be halved to fall below `most` > 0."""
+    """Return how often `value` ≥ 0 has to be halved to fall below `most` > 0."""
     shift = 0
     while value >= most:
         value >>= 1
@@ -49,7 +49,7 @@ def drop(value: int, most: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def scale(value: int, shift: int) -> int:  # ISR: no allocation
-    """value · 2^shift, rounded down; the product is below 2³¹."""
+    """Return value · 2^shift, rounded down; the product is below 2³¹."""
     if shift >= 0:
         return value << shift
     if shift < 0 - 31:
@@ -59,7 +59,7 @@ def scale(value: int, shift: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def scale_clamped(value: int, shift: int) -> int:  # ISR: no allocation
-    """value · 2^shift, rounded down, at most 2²⁹ − 1; 0 ≤ value < 2³¹."""
+    """Return value · 2^shift, rounded down, at most 2²⁹ − 1; 0 ≤ value < 2³¹."""
     if shift > 0 and value:
         room = int(lift(value, 0x10000000)) if value < 0x10000000 else 0
         if shift > room:
@@ -70,7 +70,7 @@ def scale_clamped(value: int, shift: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def quotient(value: int, by: int) -> int:  # ISR: no allocation
-    """value · 2¹⁴ / by to 10⁻⁷, by long division in two steps: by ≥ 2²⁶, value below 2²⁹, the quotient below 2³¹."""
+    """Return value · 2¹⁴ / by to 10⁻⁷, by long division in two steps: by ≥ 2²⁶, value below 2²⁹, the quotient below 2³¹."""
     high = by >> 14
     first = value // high
     rest = ((value % high) << 14) - first * (by & 0x3FFF)
@@ -79,7 +79,7 @@ def quotient(value: int, by: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def root(square: int) -> int:  # ISR: no allocation
-    """Floor of the square root of 0 ≤ square < 2³⁰, bit by bit: an RP2040 divides no faster."""
+    """Return the floor of the square root of 0 ≤ square < 2³⁰, bit by bit: an RP2040 divides no faster."""
     found = 0
     bit = 0x4000
     while bit:

@@ -47,14 +47,14 @@ def root_of(q: int, near: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
-    """span·64 / speed: the ticks of a step at `speed`."""
+    """Return the ticks of a step at `speed`, in units of the block: span · 64 / speed."""
     whole = span // speed
     return (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + ((span - whole * speed) << 6) // speed
 
 
 @micropython.viper
 def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
-    """The ticks of a path at a mean `speed` ≥ 1; 1 at least."""
+    """Return the ticks of a path (2⁻¹⁷ steps) at a mean `speed` ≥ 1; 1 at least."""
     whole = span // speed
     rest = (span - whole * speed) << 6
     each = rest // speed
@@ -80,7 +80,7 @@ def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def q_change(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
-    """Return gain · (steps + part / 2¹⁷): the change of q."""
+    """Return the change of q along steps + part / 2¹⁷ steps of path: gain · (steps + part / 2¹⁷)."""
     return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
 
 

@@ -28,7 +28,7 @@ def refuse(result):
 
 
 def dominant(deltas, ticks):
-    """A line's dominant steps. Raises ValueError if there are too many, or too far apart at constant speed."""
+    """Return a line's dominant steps. Raises ValueError if there are too many, or too far apart at constant speed."""
     total = max([abs(delta) for delta in deltas])
     if total > MAX_STEPS:
         refuse(-2)

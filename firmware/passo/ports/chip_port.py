@@ -39,10 +39,11 @@ class Input:
 
     @micropython.native
     def active(self):
+        """Return True while the input has its active level."""
         return self.pin.value() == self.level
 
     def _handle_edge(self, pin):  # ISR: no allocation
-        # A spike of noise is over by now: then nothing has happened.
+        """Stop the player if the input is still active. A spike of noise is over by now: then nothing has happened."""
         if pin.value() == self.level:
             self._port.trip(self)
 
@@ -104,6 +105,7 @@ class ChipPort:
     # --- what the contract of ports asks for
 
     def serial(self, link):
+        """Return the line of a link of the board file: UsbLine or UartLine."""
         if link["port"] == "usb":
             from passo.ports.usb_line import UsbLine  # here: not every board has memory for it
 
@@ -118,11 +120,11 @@ class ChipPort:
 
     @micropython.native
     def input(self, name):
-        """True while the input is in its active state."""
+        """Return True while the input of this name is in its active state."""
         return self._inputs[name].active()
 
     def levels(self):
-        """The states of all inputs as one integer."""
+        """Return the states of all inputs as one integer, the first input's in the highest bit."""
         levels = 0
         for item in self._inputs.values():
             levels = levels << 1 | item.active()
@@ -146,12 +148,14 @@ class ChipPort:
             self._shown = level  # last: if an interrupt has shown another meanwhile, the next one shows it again
 
     def machine_ms(self):
+        """Return the time in ms, modulo 2²⁹."""
         return ticks_ms() & COUNT_MASK
 
     link_ms = machine_ms
 
     def halting_input(self):
-        """The name of the halting input that stopped the player since the last call, or is active now; or None."""
+        """Return the name of the halting input that stopped the player since the last call, or is active now; or None. With a name, the feeder makes
+        no more words until the caller opens it again."""
         trip = self._trip
         for item in self._halting:
             if item.active():

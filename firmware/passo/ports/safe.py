@@ -7,7 +7,7 @@ from machine import Pin
 
 
 def entries(board, key):
-    """The list that stands there."""
+    """Return the list that stands under `key` of a raw board file, an empty one if something else does."""
     found = board.get(key) if isinstance(board, dict) else ()
     return list(found) if isinstance(found, (list, tuple)) else []
 

@@ -41,7 +41,7 @@ class Start:
         safe(self._outputs)
 
     def ready(self):
-        """False if the REPL is asked for instead of the app."""
+        """Return False if the REPL is asked for instead of the app: the button, or the input "repl", is held. Prints which."""
         button = self.button()
         if button:
             print("%s is held: no app, the REPL" % button)
@@ -54,20 +54,20 @@ class Start:
         return True
 
     def button(self):
-        """The name of the chip's button, if it is held."""
+        """Return the name of the chip's button if it is held; else None."""
         return None
 
     def begin_loading(self):
-        """Called before the app is imported."""
+        """Make ready for the imports of the app: called before them."""
 
     def keep(self, board):
-        """Called before the app is imported, when `board` has been checked: make what goes into `rooms`."""
+        """Make what goes into `rooms`: called before the app is imported, when `board` has been checked."""
 
     def load(self, board):
         """Import what port() will ask for."""
 
     def finish_loading(self):
-        """Called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
+        """Give back what only loading needed: called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
         return ""
 
     def history(self):

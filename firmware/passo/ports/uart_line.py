@@ -57,7 +57,7 @@ class UartLine:
         return self.count() + self._waiting
 
     def read(self):
-        """Bytes that have come, at most 512, good until the next read; b"" if none."""
+        """Return the bytes that have come, at most 512, good until the next read; b"" if none."""
         if self._waiting:
             return self._read_kept()
         count = self.count()

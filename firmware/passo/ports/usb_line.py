@@ -59,7 +59,7 @@ class UsbLine:
 
     @micropython.native
     def _read_each(self):
-        """Byte by byte: asked for more than it has, the console waits for them."""
+        """Return the bytes that have come, read one by one: asked for more than it has, the console waits for them."""
         count = 0
         byte = self._byte
         data = self._data

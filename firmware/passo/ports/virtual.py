@@ -106,6 +106,7 @@ class VirtualPort:
         return False
 
     def serial(self, link):
+        """Return the line of a link, in memory: one for each name."""
         name = link["name"]
         if name not in self.lines:
             self.lines[name] = MemoryLine()
@@ -117,15 +118,19 @@ class VirtualPort:
     feed_watchdog = put_off = catch_up = writing  # do nothing: no interrupt calls the feeder here
 
     def input(self, name):
+        """Return True while the world's input of this name is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
 
     def levels(self):
+        """Return the levels of all inputs as one integer, the first input's in the highest bit."""
         levels = 0
         for name in self._inputs:
             levels = levels << 1 | self.world.input(self.now, name)
         return levels
 
     def watch_limit(self, name, filter_us=0):
+        """Return a Latch that keeps the moment when this input changes; None if the world tells no changes. `filter_us`: how long a hard limit's
+        change has to last."""
         if name not in self._watches and self._listen:
             if self._limits is not None:
                 self._watches[name] = self._limits.watch_limit(name, filter_us)
@@ -150,6 +155,7 @@ class VirtualPort:
         return None
 
     def output(self, name, on):
+        """Switch an output of the board file on or off; through the veto if there is one."""
         if self.veto is not None:
             self.veto.output(name, on)
             return
@@ -157,6 +163,7 @@ class VirtualPort:
         self.world.output(self.now, name, active if on else 1 - active)
 
     def power(self, level):
+        """Show the tool's analogue power, 0 … 1000, at once."""
         self._player.show_power(self.now, level)
 
     def trip(self, item):
@@ -165,9 +172,11 @@ class VirtualPort:
         self._player.halt()
 
     def machine_ms(self):
+        """Return the virtual time in ms, modulo 2²⁹."""
         return (self.now // TICKS_PER_MS) & COUNT_MASK
 
     def link_ms(self):
+        """Return the wall clock in ms, modulo 2²⁹: hosts live by it."""
         return (wall_ns() // 1000000) & COUNT_MASK
 
     def wait(self, busy, fine=False, at_once=False):

@@ -30,6 +30,7 @@ class VirtualInputs:
         self._pulses = feeder.layout.pulse_mask
 
     def edges(self, tick, levels, changed):
+        """Hand on the player's edges at `tick`, then count the changes that waited for a pulse's end."""
         self._amid = True
         self._pass_edges(tick, levels, changed)
         self._amid = False
@@ -37,11 +38,13 @@ class VirtualInputs:
             self._let(tick)
 
     def run(self, tick):
+        """Run the world up to `tick`, and count the changes that have lasted by then."""
         self._world.run(tick)
         if self._due:
             self._let(tick)
 
     def next_event(self):
+        """Return the tick of the world's next event or of the next change that counts; None: there is none."""
         due = self._world.next_event()
         if self._due:
             late = self._port.now + 1 if self._pulse() else 0  # it waits for the pulse's end
@@ -51,11 +54,11 @@ class VirtualInputs:
         return due
 
     def _pulse(self):
-        """True while a pulse is up."""
+        """Return True while a pulse is up."""
         return self._player is not None and self._player.levels() & self._pulses
 
     def _let(self, tick):
-        """Changes that have lasted by `tick` count."""
+        """Count the changes that have lasted by `tick`, unless a pulse is up."""
         if self._amid or not self._due or self._pulse():
             return
         for key, (due, active) in list(self._due.items()):
@@ -64,7 +67,7 @@ class VirtualInputs:
                 self._accept_change(key, active)
 
     def _accept_change(self, key, active):
-        """A change of an input has lasted its filter's time."""
+        """Act on a change of an input that has lasted its filter's time. For subclasses; here it does nothing."""
 
 
 class VirtualLimits(VirtualInputs):
@@ -80,6 +83,7 @@ class VirtualLimits(VirtualInputs):
         world.listen(self._handle_change)
 
     def watch_limit(self, name, filter_us):
+        """Return the Latch of a limit input, to be armed. `filter_us`: how long a change has to last."""
         self._watches[name] = watch = _Watch(name, self._levels[name], int(filter_us * TICKS_PER_US))
         return watch
 
@@ -96,6 +100,7 @@ class VirtualLimits(VirtualInputs):
         return VirtualInputs.next_event(self)
 
     def _handle_change(self, tick, name, level):
+        """Latch a change of a watched input, and begin its filter's time if it is armed and now active."""
         watch = self._watches.get(name)
         if watch is None:
             return
@@ -109,6 +114,7 @@ class VirtualLimits(VirtualInputs):
             self._let(tick)
 
     def _accept_change(self, key, active):
+        """Stop the player for an armed limit, and disarm it."""
         watch = self._watches[key]
         if watch.armed:
             watch.armed = False

@@ -65,7 +65,7 @@ class Player:
         return self._next > self.now or (self._playing and self._played != self._ring.head)
 
     def words_played(self):
-        """Words whose levels have appeared on the pins, modulo 2²⁹."""
+        """Return the words whose levels have appeared on the pins, modulo 2²⁹."""
         return self._played
 
     def rest(self, levels):
@@ -83,6 +83,7 @@ class Player:
             self._power(tick, level)
 
     def _put(self, tick, levels):
+        """Put `levels` on the pins at `tick`, and hand the edges on if any level changes."""
         changed = levels ^ self._levels
         if changed:
             self._levels = levels

@@ -59,6 +59,7 @@ class Feeder(Position):
         self._reset(0)
 
     def _reset(self, played):
+        """Begin anew at the word count `played`, at rest and without a block: one checkpoint at the present position."""
         self.ramp.stall()
         self.stood = False
         self._geometry = None
@@ -115,22 +116,22 @@ class Feeder(Position):
         return amid
 
     def set_hold(self, on):
-        """True: come to a stand on the path. False: go on."""
+        """Bring the machine to a stand on its path (True), or let it go on (False)."""
         self.hold = on
 
     def count_late(self):  # ISR: no allocation
-        """The player ran dry while words were made."""
+        """Count in `late` that the player ran dry while words were made."""
         self.late += 1
 
     def standing(self):  # ISR: no allocation
-        """True when a hold has come to its stand; the words already made may still be playing."""
+        """Return True when a hold has come to its stand; the words already made may still be playing."""
         if not (self.hold or self.brake) or self.ramp.moving():
             return False
         state = self.state
         return not state[FEED_LEFT] or state[FEED_KIND] != KIND_INDEPENDENT or not self._geometry.rolling()
 
     def amid(self):  # ISR: no allocation
-        """True while a block has been begun that has words to come."""
+        """Return True while a block has been begun that has words to come."""
         state = self.state
         return bool(state[FEED_LEFT] or state[FEED_WAIT]) and not self.stood
 
@@ -142,7 +143,7 @@ class Feeder(Position):
 
     @micropython.native
     def _fetch(self):  # ISR: no allocation
-        """Take up the next block released; False if there is none."""
+        """Take up the next block released. Returns False if there is none."""
         ramp = self.ramp
         block = self.planner.next(ramp.moving())
         if block is None:

@@ -24,12 +24,14 @@ class Latch:
         self.first = self.words_played = 0  # the mark played last, and the words
 
     def begin(self, feeder, player):
+        """Wait for the input's next change, with this feeder and player."""
         self._state = feeder.state
         self._player = player
         self.seen = False
 
     @micropython.native
     def hold(self):  # ISR: no allocation
+        """Remember the words played at the first change since begin(). For the input's interrupt."""
         if not self.seen:
             self.first = self._state[FEED_OLDEST]
             self.words_played = self._player.words_played()
@@ -54,14 +56,13 @@ class Position:
         self._seen_of = self.state, self.marks, ring.words, planner.rows, planner.indices
 
     def position(self, played):
-        """Steps of each axis since power-up when `played` words have appeared on the pins: exact. If an interrupt has gone on meanwhile it
-        is the position a moment later.
-        """
+        """Return a new list of the steps of each axis since power-up when `played` words have appeared on the pins: exact. If an interrupt has gone
+        on meanwhile it is the position a moment later."""
         return list(self.position_view(played))
 
     def position_view(self, played, edge=None):
-        """The same in an array that is used again and again. With `edge`, a Latch, the position at its moment, exact to the step; the
-        present position if more than 60 segments have been made since, or all have been dropped."""
+        """Return what position() does, in an array that the next call overwrites. With `edge`, a Latch: the position at its moment, exact to the
+        step; the present position if more than 60 segments have been made since, or all have been dropped."""
         if edge and (self.state[FEED_NEWEST] - edge.first) & COUNT_MASK < MARKS - 2:
             state = self.state[:]
             state[FEED_OLDEST] = edge.first
@@ -73,7 +74,7 @@ class Position:
         return self._found
 
     def look(self, played, origin, position, seen):
-        """The position, less `origin`, to the array `position`, and SEEN_… to `seen`."""
+        """Write the position, less `origin`, to the array `position`, in steps; and SEEN_… (block, speed) to `seen`."""
         state, marks, words, rows, indices = self._seen_of
         if self.drive is None:
             look(state, marks, words, rows, indices, played, origin, position, seen)
@@ -99,20 +100,21 @@ class Position:
             played = state[FEED_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
 
     def _count(self, word, played):
+        """Bring `_found` from the checkpoint at word `word` to `played`, both below the ring's head. Returns the words since the last step."""
         ring = self.ring
         if self.drive is None:
             return tally(ring.words, ring.mask, word, played, self.layout.axes, self._found)
         return self.drive.tally(ring.words, ring.mask, word, played, self._found)
 
     def spot(self, played):
-        """(index(played), position_view(played)) of one moment."""
+        """Return (index(played), position_view(played)) of one moment."""
         index = self.index(played)
         if index is None:
             self._walk(played)
         return index, self._found
 
     def index(self, played):
-        """The index in the step program under way when `played` words have appeared on the pins; None if there is none."""
+        """Return the index in the step program under way when `played` words have appeared on the pins; None if there is none."""
         planner = self.planner
         row = planner.row()
         if row < 0 or planner.rows[row + ROW_KIND] != KIND_STEP_PROGRAM:

@@ -22,7 +22,7 @@ _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 s
 
 @micropython.viper
 def take_marks(power: ptr32, played: int) -> int:  # ISR: no allocation
-    """The value of the last mark that began among `played` words, which are given back; -1: none did."""
+    """Give back the marks that began among `played` words. Returns the value of the last of them; -1: none did."""
     tail = power[POWER_TAIL]
     value = -1
     while tail != power[POWER_HEAD]:
@@ -37,7 +37,7 @@ def take_marks(power: ptr32, played: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def scale(power: ptr32, value: int) -> int:  # ISR: no allocation
-    """Return the output's power for a value: with the override, and a spindle's lowest speed."""
+    """Return the output's power for a value, both with POWER_FINE bits behind the thousandths: with the override, and a spindle's lowest speed."""
     if value == 0:
         return 0
     value = value * power[POWER_PERCENT] // 100
@@ -52,7 +52,7 @@ def scale(power: ptr32, value: int) -> int:  # ISR: no allocation
 
 
 def power_items(marks, dots):
-    """Numbers that Power.marks has."""
+    """Return the numbers that Power.marks takes for so many marks and dots."""
     return POWER_MARKS + marks + (dots + 2) // 3
 
 
@@ -71,7 +71,7 @@ class Power:
         made[DOTS_MASK] = max(dots - 1, 0)
 
     def next(self, played):
-        """The word of the next mark to be played, which is `played` or one of those to come; -1: there is none."""
+        """Return the number of the word of the next mark to be played, which is `played` or one of those to come; -1: there is none."""
         marks = self.marks
         tail = marks[POWER_TAIL]
         if tail == marks[POWER_HEAD]:
@@ -80,7 +80,7 @@ class Power:
 
     @micropython.native
     def play(self, played):  # ISR: no allocation
-        """`played` words have begun: take up the marks among them. One function, because the feeder's interrupt calls it."""
+        """Take up the marks among the first `played` words, which have begun. One function, because the feeder's interrupt calls it."""
         marks = self.marks
         value = take_marks(marks, played)
         if value >= 0:
@@ -90,18 +90,19 @@ class Power:
             self.level = value >> POWER_FINE
 
     def set(self, value):  # ISR: no allocation
-        """The power is `value`, whatever the last mark said."""
+        """Set the power to `value`, 0 … 1000, whatever the last mark said."""
         self.value = value
         self._dark = False
         self._show()
 
     def show(self, played, on):
-        """At a stand, `played` words having begun: the value counts, or the output is off until the next mark."""
+        """Show the value of the last mark at a stand, `played` words having begun; without `on` the output is off until the next mark."""
         self.play(played)
         self._dark = not on
         self._show()
 
     def _show(self):
+        """Bring `level` and `fine` up to `value`. An interrupt may take up a mark meanwhile: then again."""
         value = -1
         while value != self.value:  # an interrupt may take up a mark meanwhile
             value = self.value
@@ -109,8 +110,8 @@ class Power:
             self.level = self.fine >> POWER_FINE
 
     def adjust(self, percent, least):
-        """Every value counts `percent` of itself from now on; those up to `least`, but 0, show as the weakest level,
-        those above it share the range that is left (a spindle's lowest speed at the weakest signal)."""
+        """Count every value as `percent` of itself from now on. Values up to `least`, but 0, show as the weakest level, those above it share the
+        range that is left (a spindle's lowest speed at the weakest signal)."""
         marks = self.marks
         if marks[POWER_PERCENT] != percent or marks[POWER_LEAST] != least:
             marks[POWER_PERCENT] = percent

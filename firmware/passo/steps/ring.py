@@ -22,15 +22,14 @@ _DOTS = const(1024)  # of the rows that are queued
 
 
 def arrays(board, lead_ticks):
-    """The largest arrays that the steps of a checked board's machine will ask of passo.memory: (type code, items) of each."""
+    """Return ((type code, items), …) of the largest arrays that the steps of a checked board's machine will ask of passo.memory."""
     rates = [(axis["steps_per_m"], 1000 * axis["max_mm_min"]) for axis in board["axes"]]
     marks, power = MARKS * (MARK_FIELDS + len(rates)), power_items(*power_room(board))
     return ("i", power), ("i", marks), ("I", ring_size(fastest(board["speed"], rates), lead_ticks))
 
 
 def fastest(speed, rates):
-    """Steps a second of the fastest axis. `speed`: that of a checked board file; `rates`: of each axis steps a metre and µm a
-    minute."""
+    """Return the steps a second of the fastest axis. `speed`: that of a checked board file; `rates`: (steps a metre, µm a minute) of each axis."""
     most = 500_000 // speed["min"] if speed["unit"] == "half_period_us" else speed["max"]
     for steps_per_m, um_min in rates:
         most = max(most, steps_per_m * um_min // 60_000_000)
@@ -38,8 +37,8 @@ def fastest(speed, rates):
 
 
 def ring_size(steps_s, lead_ticks):
-    """Words of a ring for at most `steps_s`, made `lead_ticks` ahead: as many of them and the longest segment, where the
-    largest has room for that."""
+    """Return the words of a ring for at most `steps_s`, made `lead_ticks` ahead: as many of them and the longest segment, rounded up to a power of
+    two, 1024 … 4096."""
     words = steps_s * (lead_ticks // TICKS_PER_MS) // 1000 + MAX_RUN + 2
     size = 1024
     while size < words and size < 4096:
@@ -48,7 +47,7 @@ def ring_size(steps_s, lead_ticks):
 
 
 def power_room(board):
-    """(marks, dots) of a checked board's tool: dots if it is a laser that switches at once."""
+    """Return (marks, dots) of a checked board's tool: dots if it is a laser that switches at once."""
     spindle, tool = board["spindle"], board["tool"]
     if not spindle["pwm"]:
         return _FEW, 0

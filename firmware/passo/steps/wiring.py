@@ -6,8 +6,8 @@ COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: a real pl
 
 
 def word_pins(board):
-    """Pin numbers in the order of a word's bits, the tool last. STEP/DIR: all STEPs, then all DIRs, a second motor of an axis
-    behind the axes."""
+    """Return the pin numbers in the order of a word's bits, the tool last. STEP/DIR: all STEPs, then all DIRs, a second motor of an axis behind the
+    axes."""
     axes = board["axes"]
     if board["drive"]["kind"] == "step_dir":
         motors = axes + getattr(board.get("additions"), "more_motors", [])
@@ -18,7 +18,7 @@ def word_pins(board):
 
 
 def word_times(board):
-    """(ticks of a pulse, ticks of the shortest word): a pulse is as long low as it is high."""
+    """Return (ticks of a pulse, ticks of the shortest word): a pulse is as long low as it is high."""
     drive = board["drive"]
     if drive["kind"] != "step_dir":
         return 0, COIL_WORD_TICKS
@@ -27,7 +27,7 @@ def word_times(board):
 
 
 def inversion_mask(board, layout):
-    """Mask of the player's pins whose electrical level is the opposite of the word's."""
+    """Return the mask of the word's bits whose electrical level is the opposite of the word's."""
     axes = board["axes"]
     mask = 0 if board["tool"].get("active", 1) else layout.tool_mask
     if layout.kind == "step_dir":
@@ -49,10 +49,10 @@ def inversion_mask(board, layout):
 
 
 def mute_mask(board):
-    """Mask of the player's pins that stay low, whatever a word says."""
+    """Return the mask of the word's bits that stay low, whatever a word says."""
     return _option_mask(board, "muted")
 
 
 def _option_mask(board, key):
-    """A mask of levels that an option adds."""
+    """Return the mask of levels that the board's options add under `key`; 0: none."""
     return getattr(board.get("additions"), "levels", {}).get(key, 0)

@@ -11,7 +11,7 @@ from passo.records import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S  # n
 
 
 def us_to_ticks(us):
-    """Ticks that last at least `us` microseconds."""
+    """Return the ticks that last at least `us` microseconds."""
     return (us * 25 + 1) // 2
 
 

@@ -103,6 +103,7 @@ class I2sPlayer:
 
     @micropython.native
     def _open(self):
+        """Open the I2S and switch its writes to never wait; count latched frames from here."""
         clock, latch, data = self._pins
         self._i2s = I2S(
             0, sck=clock, ws=latch, sd=data, mode=I2S.TX, bits=16, format=I2S.STEREO, rate=RATE, ibuf=4 * BLOCK * self._blocks
@@ -137,7 +138,7 @@ class I2sPlayer:
 
     @micropython.native
     def _look(self):
-        """Count frames and words."""
+        """Count the frames latched, and the words that they have shown."""
         count = self._counter.value()
         latched = count - self._last
         if latched < 0:  # back to zero at its limit; or without that event, which is the driver's to enable, 16 bits gone round
@@ -153,7 +154,7 @@ class I2sPlayer:
         frames_viper.advance(self._state, self._ring.words, self._starts, frame)
 
     def pump(self):
-        """Hand the driver as many blocks as it takes. Every 2 ms, from a timer's callback."""
+        """Hand the driver as many blocks as it takes. For a timer's callback, every 2 ms. Raises OSError if it takes a part of a block."""
         if not self._running:
             return  # halt() is under way in the main loop
         state = self._state
@@ -208,13 +209,14 @@ class I2sPlayer:
         self._open()
 
     def busy(self):
+        """Return True while words are left to play or the last one's ticks still run."""
         if not self._playing:
             return False
         self._look()
         return self._state[frames_viper.PLAYED] != self._ring.head or self._state[frames_viper.RUNS] != 0
 
     def words_played(self):
-        """Words whose levels have been latched, modulo 2²⁹."""
+        """Return the words whose levels have been latched, modulo 2²⁹."""
         self._look()
         return self._state[frames_viper.PLAYED]
 

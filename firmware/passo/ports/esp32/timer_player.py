@@ -56,7 +56,7 @@ class Bank:
 
     @micropython.native
     def drop(self, pins):
-        """`pins` to their inactive level."""
+        """Bring `pins` to their inactive level."""
         if pins:
             mem32[self.lowering] = pins & ~self.invert
             mem32[self.raising] = pins & self.invert
@@ -83,6 +83,7 @@ class TimerPlayer:
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
 
     def start(self):
+        """Play from the ring what is published there, from WINDOW_US on; call it again when there is more."""
         self._ending = False
         if self._playing or self._held or self._played == self._ring.head:
             return
@@ -108,6 +109,7 @@ class TimerPlayer:
 
     @micropython.native
     def _play(self):
+        """Play the next word, and wait for its pulse's end."""
         ring = self._ring
         word = ring.words[self._played & ring.mask]
         now_us = ticks_us()
@@ -128,28 +130,35 @@ class TimerPlayer:
                 bank.drop(bank.pulses)
 
     def hold(self, on):
+        """While `on`, start() does nothing."""
         self._held = on
 
     def stop(self):
+        """Play no further word after the one under way."""
         self._ending = True
 
     def halt(self):
+        """Stop at once: pulses and tool drop, the other pins keep their levels."""
         self._playing = False
         for bank in self._banks:
             bank.drop(bank.pulses | bank.tool)
 
     def busy(self):
+        """Return True while words are left to play or the last one's ticks still run."""
         if not self._playing:
             return False
         return self._played != self._ring.head and not self._ending or ticks_diff(self._due_us, ticks_us()) > 0
 
     def words_played(self):
+        """Return the words whose levels have appeared on the pins, modulo 2²⁹."""
         return self._played
 
     def rest(self, levels):
+        """Put `levels` on the pins at once. Only while not busy."""
         for bank in self._banks:
             bank.show(levels)
 
     def close(self):
+        """Play no further word, and stop the timer."""
         self._playing = False
         self._timer.deinit()

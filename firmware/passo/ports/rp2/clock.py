@@ -73,7 +73,8 @@ def _raise_voltage():
 
 
 def measure_khz():
-    """The system clock by the chip's frequency counter, against the crystal. -1 if it does not answer."""
+    """Return the system clock in kHz by the chip's frequency counter, against the crystal (RP2040 datasheet, 2.15, "Frequency Counter"). -1 if it
+    does not answer."""
     at = chip.COUNTER
     for offset, value in ((0, _CRYSTAL_KHZ), (4, 0), (8, 0x1FFFFFF), (16, _INTERVAL), (20, _CLK_SYS)):
         mem32[at + offset] = value  # the last one sets it going

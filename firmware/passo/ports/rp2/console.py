@@ -87,7 +87,8 @@ class Console:
 
     @micropython.viper
     def check(self, value: int) -> bool:
-        """Check where a byte that has been read lay. Returns True with the last byte that had to be checked: then call take(), and no longer the interpreter's read."""
+        """Check that a byte that has been read lay where it was expected. Returns True with the last byte that had to be checked: then call take(),
+        and no longer the interpreter's read."""
         left = int(self._left)
         if left < 1:
             return False

@@ -64,7 +64,7 @@ _NATIVE = const(3)
 
 
 def _new_function():
-    """A new function, to be given other code."""
+    """Return a new function, to be given other code."""
 
     def function():
         return 7
@@ -73,15 +73,17 @@ def _new_function():
 
 
 def _is_ram(address):
+    """Return True if an address is in memory."""
     return _RAM <= address < _RAM_END
 
 
 def _equal(address, target, length):
-    """Whether the same bytes are in memory and in flash."""
+    """Return True if the same bytes are in memory and in flash."""
     return _is_ram(address) and 0 < length <= BLOCK and bytearray_at(address, length) == bytearray_at(target, length)
 
 
 def _word(address):
+    """Return the word at an address in memory. Raises Unknown if there can be none."""
     if not _is_ram(address) or address & 3:
         raise Unknown(_LAYOUT)
     return mem32[address]

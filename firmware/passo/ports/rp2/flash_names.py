@@ -272,7 +272,7 @@ def move(known: ptr32, begin: int, target: int) -> int:
 
 @micropython.viper
 def limit_next_table(known: ptr32):
-    """If the newest table is nearly full, let it look full, and short: the next one has twice as many entries as it says of itself."""
+    """Let the newest table, if it is nearly full, look full and short: the next one has twice as many entries as it says of itself."""
     if known[_TABLES]:
         newest = ptr32(known[_TABLES])[_NEWEST]
         if is_table(newest):

@@ -103,16 +103,16 @@ class PioPlayer:
         _stop(self._state)
 
     def halt(self):  # ISR: no allocation
-        """No further step: the tool drops now, a pulse once it has lasted as long as it should, the other pins keep their levels."""
+        """Stop at once: the tool drops now, a pulse once it has lasted as long as it should, the other pins keep their levels."""
         _halt(self._state)
 
     def busy(self):
-        """True while words are left to play or the last one's ticks still run."""
+        """Return True while words are left to play or the last one's ticks still run."""
         return _busy(self._state, self._ring.head)
 
     @micropython.native
     def words_played(self):  # ISR: no allocation
-        """Words whose levels have appeared on the pins, modulo 2²⁹."""
+        """Return the words whose levels have appeared on the pins, modulo 2²⁹."""
         return _words_played(self._state)
 
     def rest(self, levels):
@@ -145,7 +145,7 @@ def _still(state: ptr32):
 
 @micropython.viper
 def _empty(state: ptr32):
-    """The FIFO is empty: joining it otherwise and back does that."""
+    """Empty the FIFO: joining it otherwise and back does that."""
     flip = ptr32(state[PIO_MACHINE] + ALIAS_XOR)
     join = 1
     join <<= 31
@@ -155,7 +155,7 @@ def _empty(state: ptr32):
 
 @micropython.viper
 def _quiet(state: ptr32):
-    """State machine off and restarted, its FIFO empty, no DMA channel active."""
+    """Switch the state machine off and restart it, its FIFO empty, no DMA channel active."""
     bit = 1 << state[PIO_NUMBER]
     ptr32(state[PIO_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = bit
     _still(state)
@@ -176,7 +176,7 @@ def _set_up(state: ptr32):
 
 @micropython.viper
 def _drive(state: ptr32):
-    """The pins become outputs."""
+    """Make outputs of the pins."""
     _put(state, (1 << state[PIO_BITS]) - 1)
     _run(state, 0x6080 | state[PIO_BITS])  # out(pindirs, bits)
 
@@ -217,6 +217,7 @@ def _count(state: ptr32) -> int:
 
 @micropython.viper
 def _words_played(state: ptr32) -> int:
+    """Return the words played, modulo 2²⁹: counted while words play, else as of the last stop."""
     if state[PIO_PLAYING] == 1:
         return int(_count(state))
     return state[PIO_PLAYED]
@@ -224,6 +225,7 @@ def _words_played(state: ptr32) -> int:
 
 @micropython.viper
 def _busy(state: ptr32, head: int) -> bool:
+    """Return True while words up to `head` are left to play or the last one's ticks still run."""
     if state[PIO_PLAYING] == 0:
         return False
     sm = ptr32(state[PIO_MACHINE])
@@ -304,7 +306,7 @@ def _resume(state: ptr32):
 
 @micropython.viper
 def _next_run(state: ptr32) -> int:  # ISR: no allocation
-    """The run that the chain reads next."""
+    """Return the run that the chain reads next."""
     return ((ptr32(state[PIO_C])[CHANNEL_READ] - state[PIO_COUNTS]) >> 2) & state[PIO_LAST]
 
 

@@ -80,10 +80,11 @@ class Port(ChipPort):
 
     @micropython.viper
     def levels(self) -> int:
-        """The pins of all inputs as one integer."""
+        """Return the pins of all inputs as one integer."""
         return ptr32(0xD0000004)[0] & int(self._mask)
 
     def serial(self, link):
+        """Return the line of a link: ChipPort's, which loses no byte while flash is written, nor at a high baud rate to the feeder's interrupt."""
         line = ChipPort.serial(self, link)
         if link["port"] != "usb" and link["baud"] > _FAST_BAUD:
             count = line.count
@@ -105,9 +106,11 @@ class Port(ChipPort):
         return found
 
     def put_off(self):
+        """Leave out the feeder's next calls in the interrupt, until catch_up()."""
         self._aside = FEED_LATER
 
     def catch_up(self):
+        """End put_off(), and make the call that was left out, with the timers' interrupts off."""
         self._aside = FEED_NOW
         if self._left_out:
             self._left_out = False

@@ -26,6 +26,7 @@ class Start(start.Start):
     _said = ""
 
     def begin_loading(self):
+        """Collect garbage early while code is loaded, which then lies close together; on stock MicroPython leave it in flash."""
         if start.FROZEN:
             self._said = "code in the UF2"
             gc.threshold(_COLLECT_FROZEN)
@@ -66,11 +67,13 @@ class Start(start.Start):
         start.Start.run(self, app, port)
 
     def load(self, board):
+        """Import what the Port of this board will ask for."""
         from passo.ports.rp2 import port
 
         port.load(board)
 
     def finish_loading(self):
+        """Drop the modules that only loading needs. Returns the line that says where the code lies."""
         code, self._code = self._code, None
         if code:
             code.finish()
@@ -80,10 +83,11 @@ class Start(start.Start):
         return self._said
 
     def button(self):
+        """Return "BOOTSEL" if the button is held; else None."""
         return "BOOTSEL" if rp2.bootsel_button() else None
 
     def port(self, board):
-        """Raises RuntimeError if the chip does not take the board file's clock."""
+        """Set the clock and return the Port of a checked board. Raises RuntimeError if the chip does not take the board file's clock."""
         from passo.ports.rp2 import clock
 
         clock.set_mhz(board["clock_mhz"])

@@ -58,28 +58,36 @@ class TimerPlayer:
         mem32[programs.PIO_0 + vectors.IRQ1_INTE] = 256
 
     def close(self):
+        """Give back the interrupt."""
         vectors.leave(vectors.PIO_IRQ_1)
         mem32[programs.PIO_0 + vectors.IRQ1_INTE] = 0
 
     def start(self):  # ISR: no allocation
+        """Play from the ring what is published there; call it again when there is more."""
         _start(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation
+        """While `on`, start() does nothing."""
         self._state[TIMER_HELD] = on
 
     def stop(self):
+        """Play no further word after the one under way."""
         _stop(self._state)
 
     def halt(self):  # ISR: no allocation
+        """Stop at once: no further step, the tool drops; the other pins keep their levels."""
         _halt(self._state)
 
     def busy(self):
+        """Return True while words are left to play or the last one's ticks still run."""
         return _busy(self._state, self._ring.head)
 
     def words_played(self):  # ISR: no allocation
+        """Return the words whose levels have appeared on the pins, modulo 2²⁹."""
         return self._state[TIMER_PLAYED]
 
     def rest(self, levels):
+        """Put `levels` on the pins at once. Only while not busy."""
         _show(self._state, levels)
 
 
@@ -137,7 +145,7 @@ def _wait(cycles: int):
 
 @micropython.viper
 def _drop(state: ptr32, pulses: int):
-    """These pins, pulses' and the tool's, to rest."""
+    """Bring these pins, pulses' and the tool's, to their inactive level."""
     pins = ptr32(0xD0000010)
     toggle = ptr32(state[TIMER_TOGGLE])
     toggle[0] = (pins[0] ^ state[TIMER_INVERT]) & pulses
@@ -166,7 +174,7 @@ def _start(state: ptr32, head: int):
 
 @micropython.viper
 def _still(state: ptr32):
-    """State machine off and restarted, FIFO and interrupt cleared."""
+    """Switch the state machine off and restart it, with its FIFO and interrupt cleared."""
     bit = 1 << state[TIMER_NUMBER]
     ptr32(state[TIMER_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = bit
     _empty(state)
@@ -176,7 +184,7 @@ def _still(state: ptr32):
 
 @micropython.viper
 def _empty(state: ptr32):
-    """The FIFO is empty: joining it otherwise and back does that."""
+    """Empty the FIFO: joining it otherwise and back does that."""
     flip = ptr32(state[TIMER_MACHINE] + ALIAS_XOR)
     join = 1
     join <<= 31
