@@ -188,7 +188,7 @@ def mean(state, speed):  # ISR: no allocation
 
 
 def b_change(state, ticks):  # ISR: no allocation
-    """Return how much b may change in `ticks`, 1 at least: what is lost in rounding counts in a later call."""
+    """Return how much b may change in `ticks`, 1 at least. The remainder of the rounding counts in a later call."""
     shift = state[S_CURVE_RATE_SHIFT] - 1
     while ticks >= 0x8000:
         ticks >>= 1

@@ -52,7 +52,7 @@ def scale(power: ptr32, value: int) -> int:  # ISR: no allocation
 
 
 def power_items(marks, dots):
-    """Return the numbers that Power.marks takes for so many marks and dots."""
+    """Return the length of Power.marks with room for `marks` marks and `dots` dots, three a number."""
     return POWER_MARKS + marks + (dots + 2) // 3
 
 
