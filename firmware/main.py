@@ -24,7 +24,7 @@ def stamp_of(path):
 
 
 def load_safe_board():
-    """The raw board file, whose outputs are inactive from here on; None if it cannot be read."""
+    """Return the raw board file, whose outputs are inactive from here on; None if it cannot be read."""
     from passo.ports.safe import outputs, safe
 
     try:
@@ -75,7 +75,7 @@ def import_all(board):
 
 
 def by_options(board):
-    """A raw board file with the pins that its options give it, such as those of a parallel port."""
+    """Return a raw board file with the pins that its options give it, such as those of a parallel port."""
     try:
         sections = {key: value for key, value in board.items() if isinstance(value, dict) and "port_pins" in value}
         if sections:

@@ -59,7 +59,7 @@ class Link:
         self.waiting = []
 
     def was_heard(self):
-        """True if bytes have come since this was asked last."""
+        """Return True if bytes have come since the last call."""
         heard = self.heard
         self.heard = False
         return heard
@@ -299,7 +299,7 @@ class App:
 
     @micropython.native
     def _commands_in(self, link, data):
-        """The commands in what the line brings: each is to be answered before the next is asked for."""
+        """Return an iterable of the commands in what the line brings: each is to be answered before the next is asked for."""
         if data:
             self._heard |= _PART
             link.heard = True

@@ -194,7 +194,7 @@ class Motion(Command):
 
 
 def thousandths(power):
-    """Of a command's power, which is in millionths, at least 1 if it is not off."""
+    """Return a command's power, which is in millionths, in thousandths: at least 1 if it is not off."""
     return max((power + 500) // 1000, 1) if power else 0
 
 

@@ -30,6 +30,7 @@ class Journal:
         self.damaged = False  # read() found slots, and none of them whole
 
     def read(self):
+        """Return the newest text that is whole; None if there is none. `damaged`: there are slots, none of them whole."""
         used, newest = False, None
         self._sequence = 0
         for slot in range(SLOTS):

@@ -47,7 +47,7 @@ def centre_of(x, y, radius, clockwise):
 
 
 def over_half(x, y, i, j, clockwise):
-    """True if the arc about (i, j) from (0, 0) to (x, y) sweeps more than half a turn: grbl's rule (mc_arc in
+    """Return True if the arc about (i, j) from (0, 0) to (x, y) sweeps more than half a turn: grbl's rule (mc_arc in
     motion_control.c), without its roundings. An end behind the start is nearly a turn away; one less than 5·10⁻⁷ rad ahead of
     it (ARC_ANGULAR_TRAVEL_EPSILON) closes the circle."""
     cross = j * x - i * y
@@ -87,7 +87,7 @@ def farthest(start, arc, steps_per_m):
 
 
 def swept(begin, direction, end):
-    """True if `direction` lies on the way from `begin` counter-clockwise to `end`. If both are equal, the way is a whole turn."""
+    """Return True if `direction` lies on the way from `begin` counter-clockwise to `end`. If both are equal, the way is a whole turn."""
     turn = cross(begin, end)
     if not turn and begin[0] * end[0] + begin[1] * end[1] > 0:
         return True

@@ -35,7 +35,7 @@ class Changeover(Feature):
         report["ours"] = self.ours
 
     def ready(self):
-        """True when steps may go out; asked when there are some."""
+        """Return True when steps may go out. Asked when there are some; by "motion" this takes the motors."""
         if self._by_motion and self._relays and not self.ours and not self._machine.alarm and not self._machine.sleeping:
             self._begin_switch(True)
         return self._due_ms is None
@@ -46,6 +46,7 @@ class Changeover(Feature):
             self._begin_switch(False)
 
     def poll(self, now_ms):
+        """Close the relays when their wait is over; give the motors back in an alarm, once the machine stands."""
         machine = self._machine
         if (machine.alarm not in errors.WATCHED or machine.sleeping) and self._queue.still():
             self.on_events()

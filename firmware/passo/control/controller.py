@@ -69,7 +69,7 @@ class Controller:
         return self.machine.state
 
     def busy(self):
-        """True while something moves, waits or is about to, or poll() does not know yet that it has ended: time matters."""
+        """Return True while something moves, waits or is about to, or poll() does not know yet that it has ended: time matters."""
         machine = self.machine
         if machine.hold and machine.stood:
             return False
@@ -111,7 +111,7 @@ class Controller:
         return result
 
     def _may_command(self, command):
-        """True if a link that does not command may say this: it has started a stored job, or asks for the journal or a setting."""
+        """Return True if a link that does not command may send this: it has started a stored job, or asks for the journal or a setting."""
         if command.link.number == self.machine.lender and command.kind in _OF_LENDER:
             return True
         return command.kind == commands.JOURNAL and command.target is None or command.kind == commands.SETTING and command.value is None and not command.tool

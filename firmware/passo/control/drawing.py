@@ -52,6 +52,7 @@ class Drawing(Feature):
         self.drawn = self.count_drawn()
 
     def busy(self):
+        """Return True while points of the object are still to be queued."""
         machine = self._machine
         return machine.drawing and (self.points.count > 0 or machine.command is not None)
 

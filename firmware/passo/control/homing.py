@@ -80,10 +80,10 @@ class Homing(Feature):
         machine = self._machine
         if machine.known != self._unhomed_of:
             self._unhomed_of = machine.known
-            self._unhomed = self._unhomed_letters() or None
+            self._unhomed = self._letters_to_home() or None
         report["unhomed"] = self._unhomed if machine.known or machine.settings.value(table.HOMING) else None
 
-    def _unhomed_letters(self):
+    def _letters_to_home(self):
         """Return the letters of the axes that have a sensor and are not homed."""
         left = self._all & ~self._machine.known
         return "".join([self._axes[axis]["name"].upper() for axis in range(len(self._axes)) if left >> axis & 1])
@@ -144,7 +144,7 @@ class Homing(Feature):
         machine.known |= homed or self._all
         machine.homed = machine.known == self._all
         if not machine.homed:
-            machine.require_homing(" ".join(self._unhomed_letters()))
+            machine.require_homing(" ".join(self._letters_to_home()))
         machine.finish(self._quality and self._quality.report())
 
     def _make_sensors(self, number):
@@ -156,6 +156,7 @@ class Homing(Feature):
         return [self._make_sensor(name, number) for name in names]
 
     def _make_sensor(self, name, axis, kind=Sensor):
+        """Make the Sensor of an input, whose pin's interrupt keeps the position of the edge."""
         read = self._machine.inputs.read
         return kind(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
 

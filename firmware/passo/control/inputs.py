@@ -36,7 +36,7 @@ class Inputs:
         return self.input(name) != (name in self._turned)
 
     def limits_hit(self):
-        """True if hard limits are watched and one is active."""
+        """Return True if hard limits are watched and one is active."""
         return bool(self._settings.value(table.HARD_LIMITS)) and any([self.read(name) for name in self.names])
 
     def door_open(self):

@@ -40,4 +40,5 @@ class Log:
         return self._entry_at((self.count - 1) % _SIZE)
 
     def _entry_at(self, index):
+        """Return (machine milliseconds, number, who) of a row of the ring."""
         return self._numbers[2 * index], self._numbers[2 * index + 1], self._who[index]

@@ -147,6 +147,7 @@ class Pauses(Feature):
     # --- what goes on over many passes
 
     def poll_hold(self):
+        """Once a hold has come to its stand: drop the rest, note the stand, or go on when tool and coolant are back."""
         machine = self._machine
         if not self._queue.standing():
             return

@@ -229,7 +229,7 @@ class Program(LineBatches):
         return error
 
     def _lacks_dots(self, dots):
-        """True if the queue has no room for these dots yet."""
+        """Return True if the queue has no room for these dots yet."""
         ring = self.dots
         return len(dots) > (ring[DOTS_TAIL] - ring[DOTS_HEAD] - 1) & ring[DOTS_MASK]
 
@@ -364,6 +364,7 @@ class Program(LineBatches):
     # --- what goes on over many cycles
 
     def poll_end(self, still):
+        """Go on with arcs, probe, dwell and the stream of lines, and give the planner changed limits at a stand."""
         machine = self._machine
         queue = self._queue
         if queue.chords:

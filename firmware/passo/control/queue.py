@@ -54,6 +54,7 @@ class Queue:
             seen[SEEN_LIT] = self._rested
 
     def _from_origin(self, found):
+        """Shift a position since power-up to machine zero, in place, and return it. Steps."""
         origin = self._origin
         for axis in range(len(found)):
             found[axis] -= origin[axis]

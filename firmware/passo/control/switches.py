@@ -63,6 +63,7 @@ class Switches(Feature):
         return sensor
 
     def look(self, now_ms):
+        """Sample the sensors if an input or a setting has changed, and arm the limits' interrupts."""
         seen = self._levels()
         if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
             self._seen = seen
