@@ -176,7 +176,7 @@ def shorten(scratch: ptr32, at: int, value: int, shift: int):
 
 @micropython.viper
 def fastest_units(top: int, fastest: int, speed: int) -> int:
-    """The speed that the axes allow, in units: T · fastest / v; at most 2 · T and 32 000, at least T."""
+    """Return the speed that the axes allow, in units: T · fastest / v; at most 2 · T and 32 000, at least T."""
     most = 2 * top
     if most > 32000:
         most = 32000
@@ -224,7 +224,7 @@ def gain_of(scratch: ptr32, limits: ptr32) -> int:
 
 @micropython.viper
 def reach_of(scratch: ptr32, gain: int) -> int:
-    """The square of speed, of 2²⁸, that the block can gain or lose: gain · s · v² / T², rounded down."""
+    """Return the square of speed, of 2²⁸, that the block can gain or lose: gain · s · v² / T², rounded down."""
     more = int(lift(gain, 0x4000)) - int(drop(gain, 0x8000))
     reach = int(scale(gain, more)) * scratch[SHORT_STEPS] >> 15
     reach = reach * (scratch[SCRATCH_FULL] * scratch[SCRATCH_FULL] >> 15) >> 15

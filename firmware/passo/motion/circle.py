@@ -95,7 +95,7 @@ class Circle:
         self.negative = state[CIRCLE_NEGATIVE]
 
     def _last_line(self, state):  # ISR: no allocation
-        """The tail, from the circle to the end: all axes by Bresenham's method."""
+        """Set up the tail, from the circle to the end: all axes by Bresenham's method."""
         a, b, z = state[ARC_TAIL_A], state[ARC_TAIL_B], state[ARC_TAIL_Z]
         if not (a or b or z):
             return 0

@@ -73,7 +73,7 @@ def run(state: ptr32) -> int:  # ISR: no allocation
 
 @micropython.viper
 def run_steps(state: ptr32, u: int, w: int) -> int:  # ISR: no allocation
-    """How many steps may be one run: one over a diagonal; else as many as leave the slope about the same, w² / 85u, and are no
+    """Return how many steps may be one run: one over a diagonal; else as many as leave the slope about the same, w² / 85u, and are no
     more than an eighth of w, 255, and 320 with the third axis."""
     left = state[ARC_STEPS]
     slope = u if u >= 0 else 0 - u
@@ -107,7 +107,7 @@ def run_steps(state: ptr32, u: int, w: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def measure_run(state: ptr32, u: int, w: int, count: int) -> int:  # ISR: no allocation
-    """The length of a run of `count` steps, of 2⁻²⁰ steps. CIRCLE_NEXT: that of the step behind it; CIRCLE_USED: how long it
+    """Return the length of a run of `count` steps, of 2⁻²⁰ steps. CIRCLE_NEXT: that of the step behind it; CIRCLE_USED: how long it
     takes, as a length. A word's time passes after its step: a run lasts from its first step to the first one of the next.
     If the third axis leads, time is its own."""
     diagonal = state[ARC_DIAGONAL]

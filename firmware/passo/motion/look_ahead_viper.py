@@ -73,7 +73,7 @@ def set_chord(scratch: ptr32, at: int, axes: int, minus: int):
 
 @micropython.viper
 def corner_square(scratch: ptr32, limits: ptr32) -> int:
-    """The square of the speed, of 2²⁸, at which a corner may be passed: v² = a · δ · s · (1 + s) / t², where δ is the junction
+    """Return the square of the speed, of 2²⁸, at which a corner may be passed: v² = a · δ · s · (1 + s) / t², where δ is the junction
     deviation, s and t are the sines of half the angle between the lines and of half the angle turned through, and a is what the
     axes can do along the change of direction. 2³⁰ − 1 if it turns by less than 1.4 mrad."""
     turn = scratch[SHORT_TURN]
@@ -96,7 +96,7 @@ def corner_square(scratch: ptr32, limits: ptr32) -> int:
 
 @micropython.viper
 def strength_across(scratch: ptr32, limits: ptr32, length: int) -> int:
-    """The acceleration, of 2²⁸ and 1 at least, that the axes allow along SCRATCH_CHANGE, a vector of this `length`."""
+    """Return the acceleration, of 2²⁸ and 1 at least, that the axes allow along SCRATCH_CHANGE, a vector of this `length`."""
     strong = 0x20000000
     i = 0
     while i < limits[LIMIT_AXES]:
@@ -137,7 +137,7 @@ def look_back(rows: ptr32, scratch: ptr32, indices: ptr32) -> int:
 
 @micropython.viper
 def exit_square(rows: ptr32, at: int, behind: int, scratch: ptr32) -> int:
-    """The square of the speed at which the block at rows[at] may be left for the one `behind` it: the least of the speeds of both, the
+    """Return the square of the speed at which the block at rows[at] may be left for the one `behind` it: the least of the speeds of both, the
     corner's limit, and the speed from which the one behind can brake. 0 if one of them has no ramp.
     """
     if rows[behind + ROW_GAIN] == 0 or rows[at + ROW_GAIN] == 0:

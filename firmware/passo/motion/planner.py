@@ -327,7 +327,7 @@ class Planner:
 
     @micropython.native
     def next(self, moving=False):  # ISR: no allocation
-        """The next block released, or None. To a machine that is `moving` any block is released: it cannot
+        """Return the next block released, or None. To a machine that is `moving` any block is released: it cannot
         stop here. It is the same object each time, and its walker stands at its beginning."""
         rows = self.rows
         at = take(rows, self.scratch, self.indices, 1 if moving else 0, 0)

@@ -149,7 +149,7 @@ def run_path(walker: ptr32, words: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def arc_to_go(state: ptr32, walker: ptr32, words: int) -> int:  # ISR: no allocation
-    """The steps of path of an arc behind this segment, after which `words` of its run are left; RAMP_PART: 2⁻¹⁷ of one."""
+    """Return the steps of path of an arc behind this segment, after which `words` of its run are left; RAMP_PART: 2⁻¹⁷ of one."""
     made = int(run_path(walker, walker[CIRCLE_WORDS] - words)) + (walker[ARC_PATH_FINE] >> 3)
     togo = ((walker[ARC_PATH] + 0x20000000) & 0x3FFFFFFF) - 0x20000000 - (made >> 17)
     part = (0 - made) & 0x1FFFF
@@ -214,7 +214,7 @@ def reachable(rows: ptr32, at: int, state: ptr32, togo: int) -> int:  # ISR: no 
 
 @micropython.viper
 def peak_of(state: ptr32, aim: int) -> int:  # ISR: no allocation
-    """The largest q within the segment, which begins at RAMP_BEGIN and ends at `aim`; 1 at least."""
+    """Return the largest q within the segment, which begins at RAMP_BEGIN and ends at `aim`; 1 at least."""
     q = state[RAMP_BEGIN]
     peak = state[RAMP_HIGH]
     if peak < q:
@@ -231,7 +231,7 @@ def peak_of(state: ptr32, aim: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def even_ticks(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation
-    """The ticks of a line's segment at the speed programmed; RAMP_CARRY spreads what does not divide by its steps."""
+    """Return the ticks of a line's segment at the speed programmed; RAMP_CARRY spreads what does not divide by its steps."""
     rest = state[RAMP_CARRY] + state[RAMP_STEPS] * rows[at + ROW_TICKS_REST]
     ticks = rest // state[RAMP_TOTAL]
     state[RAMP_CARRY] = rest - ticks * state[RAMP_TOTAL]

@@ -15,7 +15,7 @@ from passo.records import *
 
 @micropython.viper
 def room(indices: ptr32) -> int:
-    """How many more blocks can be queued now; none while it would be one arc too many."""
+    """Return how many more blocks can be queued now; none while it would be one arc too many."""
     added = indices[QUEUE_ADDED]
     queued = (added - indices[QUEUE_RETIRED]) & COUNT_MASK
     if ((added - indices[QUEUE_ARC] - 1) & COUNT_MASK) < queued:
@@ -25,7 +25,7 @@ def room(indices: ptr32) -> int:
 
 @micropython.viper
 def close(rows: ptr32, at: int, scratch: ptr32, indices: ptr32, kind: int, flags: int, tag: int, power: int, first: int) -> int:
-    """The row at rows[at] is done, and is counted; `flags` as BATCH_FLAGS, the rest as in a row. 1 if motion goes through to
+    """Finish the row at rows[at], and count it; `flags` as BATCH_FLAGS, the rest as in a row. 1 if motion goes through to
     this block from the one before it, at the speed that this one may begin with."""
     dots = power & ~DOTS_POWER
     if dots:

@@ -186,7 +186,7 @@ def choose(state):  # ISR: no allocation
 
 
 def between(state, low, high, above, lack, short):  # ISR: no allocation
-    """The largest b, were the excesses linear from `low`, just tried, where `lack` is what is short, to `high`."""
+    """Return the largest b, were the excesses linear from `low`, just tried, where `lack` is what is short, to `high`."""
     share = ratio(-state[S_CURVE_ABOVE], above) if above > 0 else 0x4000
     if short > 0:
         share = min(share, ratio(-lack, short))
@@ -223,7 +223,7 @@ def set_out(state):  # ISR: no allocation
 
 
 def rest_to_rest(state):  # ISR: no allocation
-    """Ticks of a path from rest to rest."""
+    """Return the ticks of a path from rest to rest."""
     even = divide(root_of(min(state[S_CURVE_REST], state[RAMP_CHANGE]), 0), state[S_CURVE_HALF], 13)
     ticks = mean(state, even)
     ticks += (ticks >> 2) * 3

@@ -64,7 +64,7 @@ def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
-    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. If a step is longer than 2¹⁹ ticks, `rest` is left out. All
+    """Return the ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. If a step is longer than 2¹⁹ ticks, `rest` is left out. All
     bits of `path` count: a word of a steep helix may take less than a hundredth of a step of its circle.
     """
     whole = path >> 17
@@ -86,7 +86,7 @@ def q_change(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def along(rows: ptr32, at: int, pace: int, whole: int) -> int:
-    """The speed along the path at `pace`, which counts in units of the block at rows[at]. ROW_SPEED is a fraction, of 2²⁸, of `whole`, the
+    """Return the speed along the path at `pace`, which counts in units of the block at rows[at]. ROW_SPEED is a fraction, of 2²⁸, of `whole`, the
     machine's fastest speed (below 2³⁰, in nm/s or a multiple of it). The product is formed from halves of 14 and 15 bits: no sum
     reaches 2³¹."""
     part = rows[at + ROW_SPEED]

@@ -71,7 +71,7 @@ class Steady:
         self.state[RAMP_Q] = self.state[RAMP_V] = 0
 
     def moving(self):  # ISR: no allocation
-        """True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
+        """Return True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
         return self.state[RAMP_Q] > self.state[RAMP_START]
 
     def begin(self, block):  # ISR: no allocation

@@ -14,7 +14,7 @@ from passo.records import *
 
 @micropython.viper
 def most_steps(rows: ptr32, at: int, axes: int) -> int:
-    """The steps of the axis that has the most, of the vector rows[at : at + axes]."""
+    """Return the steps of the axis that has the most, of the vector rows[at : at + axes]."""
     most = 0
     i = 0
     while i < axes:

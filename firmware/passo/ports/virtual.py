@@ -90,7 +90,7 @@ class VirtualPort:
         self._anchor()
 
     def player(self, ring, layout, board):
-        """The player of `ring`. Once."""
+        """Return the player of `ring`. Once."""
         pulse_ticks, min_word_ticks = word_times(board)
         muted = mute_mask(board)
         if muted:

@@ -61,7 +61,7 @@ class Player:
         self._put(self.now, self._levels & ~dropped)
 
     def busy(self):
-        """True while words are left to play or the last one's ticks still run."""
+        """Return True while words are left to play or the last one's ticks still run."""
         return self._next > self.now or (self._playing and self._played != self._ring.head)
 
     def words_played(self):

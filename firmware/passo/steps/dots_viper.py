@@ -91,7 +91,7 @@ def pad(state: ptr32, words: ptr32, dynamic: int):  # ISR: no allocation
 
 @micropython.viper
 def end_of(dot: int, count: int, total: int) -> int:  # ISR: no allocation
-    """The step at which the next dot begins."""
+    """Return the step at which the next dot begins."""
     return (2 * (dot + 1) * total + count) // (2 * count)
 
 

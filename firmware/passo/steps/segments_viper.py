@@ -178,7 +178,7 @@ def set_tool(state: ptr32, on: int):  # ISR: no allocation
 
 @micropython.viper
 def measure(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_state, cut, geometry) -> int:  # ISR: no allocation
-    """How many steps the segment has, how long it lasts, and which axes move; no steps if the geometry makes words itself.
+    """Work out how many steps the segment has, how long it lasts, and which axes move; no steps if the geometry makes words itself.
     Returns FULL; STANDS or LATER if there is none now."""
     path = ptr32(line_state)
     kind = state[FEED_KIND]
@@ -223,7 +223,7 @@ def take_wait(state: ptr32):  # ISR: no allocation
 
 @micropython.viper
 def percent(state: ptr32, rows: ptr32, scratch: ptr32, indices: ptr32, ramp: ptr32) -> int:  # ISR: no allocation
-    """The override; less while a stream brings fewer than MANY_LINES, more slowly than they are played, so that they last."""
+    """Return the override; less while a stream brings fewer than MANY_LINES, more slowly than they are played, so that they last."""
     row = state[FEED_ROW]
     asked = scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]]
     each = rows[row + ROW_TICKS]
@@ -243,7 +243,7 @@ def percent(state: ptr32, rows: ptr32, scratch: ptr32, indices: ptr32, ramp: ptr
 
 @micropython.viper
 def cut_segment(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, shape, cut) -> int:  # ISR: no allocation
-    """The next segment of a line or arc, whose walker's state is `shape`. A word longer than HOLD_TICKS leaves a wait behind."""
+    """Cut the next segment of a line or arc, whose walker's state is `shape`. A word longer than HOLD_TICKS leaves a wait behind."""
     ramp = ptr32(cuts)
     rows = ptr32(queue)
     row = state[FEED_ROW]

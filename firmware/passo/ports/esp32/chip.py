@@ -26,7 +26,7 @@ _IO_MUX = (
 
 
 def input_register(pin):
-    """The IO_MUX register of a pin, whose bit 9 switches its input on beside an output. ESP32 and S3."""
+    """Return the IO_MUX register of a pin, whose bit 9 switches its input on beside an output. ESP32 and S3."""
     if gpio_base() == 0x60004000:
         return 0x60009004 + 4 * pin
     return 0x3FF49000 + _IO_MUX[pin]

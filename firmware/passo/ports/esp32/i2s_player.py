@@ -47,7 +47,7 @@ _INPUT_ENABLE = const(1 << 9)
 
 
 def frame_of(output):
-    """The bits of a frame for one output of the register."""
+    """Return the bits of a frame for one output of the register."""
     bits = 0x20002 << output
     return bits - (1 << 32) if bits >> 31 & 1 else bits
 

@@ -45,7 +45,7 @@ _FIFO_READ = const(5)
 
 @micropython.viper
 def find() -> int:
-    """The record of an empty ring buffer of that size, its distance from the start of memory; 0: there is none, or more
+    """Return the record of an empty ring buffer of that size, its distance from the start of memory; 0: there is none, or more
     than one."""
     words = ptr32(0x20000000)
     found = 0
@@ -64,7 +64,7 @@ def find() -> int:
 
 @micropython.viper
 def find_fifo() -> int:
-    """The record of TinyUSB's buffer, in the same way."""
+    """Return the record of TinyUSB's buffer, in the same way."""
     words = ptr32(0x20000000)
     found = 0
     at = 1
@@ -134,7 +134,7 @@ class Console:
 
     @micropython.viper
     def _come(self) -> int:
-        """How many bytes wait."""
+        """Return how many bytes wait."""
         at = int(self._fifo)
         if at:
             record = ptr16(0x20000000 + at)

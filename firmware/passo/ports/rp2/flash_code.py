@@ -229,7 +229,7 @@ class FlashCode:
         return count
 
     def _code(self):
-        """The address of the next function's code as the interpreter wants it: of a raw code, or of bytecode itself."""
+        """Return the address of the next function's code as the interpreter wants it: of a raw code, or of bytecode itself."""
         offset, length, prelude, block, kind, children, generator = unpack_from(_ROW, self._rows, self._at)
         self._at += ROW_BYTES
         if block == _MEMORY:
@@ -291,7 +291,7 @@ class FlashCode:
         self._file = self._rows = None
 
     def _find(self, address):
-        """The row of the function whose code stands at an address; 0: there is none."""
+        """Return the row of the function whose code stands at an address; 0: there is none."""
         for at in range(ROW_BYTES, self._functions, ROW_BYTES):
             offset, length, _, block, *_ = unpack_from(_ROW, self._rows, at)
             if block != _MEMORY and _equal(address, self._addresses[block] + offset, length):

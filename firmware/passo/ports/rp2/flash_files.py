@@ -76,7 +76,7 @@ class Blocks:
         return size, head, names << 16 | first if names else 0, count, file.read(rows - call), file.read(call), last
 
     def chain(self, size, head):
-        """The addresses of a file's blocks; they are kept from now on."""
+        """Return the addresses of a file's blocks; they are kept from now on."""
         last = 0  # number of the last one
         room = BLOCK
         while size > room:

@@ -137,7 +137,7 @@ def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
 
 @micropython.viper
 def text_of(number: int, known: ptr32) -> int:
-    """The address of the word that points to a name's text, in one of the interpreter's tables in memory."""
+    """Return the address of the word that points to a name's text, in one of the interpreter's tables in memory."""
     table = ptr32(ptr32(known[_TABLES])[_NEWEST])
     while number < table[_EARLIER] & _COUNTED:
         table = ptr32(table[_BEFORE])
