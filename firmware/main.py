@@ -66,6 +66,7 @@ def check_board(board):
 
 
 def import_all(board):
+    """Save the black box left by a reset, then import all modules that the board wants."""
     keep = getattr(board.get("additions"), "keep", None)
     if keep:  # a black box that a reset has left, before its memory is used anew
         __import__(keep[0], None, None, ("save_left_box",)).save_left_box(*keep[1:])
@@ -88,6 +89,7 @@ def by_options(board):
 
 
 def main():
+    """Check BOARD, build the app and run it until it ends; print and log errors, and leave the outputs safe."""
     global BOARD
     start = Start(by_options(BOARD))
     start.history()

@@ -17,6 +17,7 @@ SOURCE = "source.txt"  # names the stamp of a package on the file system that is
 
 
 def whole():
+    """Return True if the flash holds the whole image, by the record in its last 256 bytes: mark, length and sum. Always True on an ESP32."""
     if CHIP == "esp32":
         return True  # its boot loader starts no image whose sum is wrong
     import rp2

@@ -119,6 +119,7 @@ class App:
         self._send_events()
 
     def _make_links(self, builder, languages, serials, own, shared, most):
+        """Make a Link for each link of the board file: its protocol, frames if it has them, and the watch over the host."""
         for number, (config, language, serial) in enumerate(zip(self.board["links"], languages, serials)):
             protocol = builder.speaker(own, language, config, number, self.board, self.controller, shared, most)
             made = Link(number, config, serial, protocol, self.controller)
@@ -320,6 +321,7 @@ class App:
                 self._take_early(link)
 
     def _carry_out(self, commands, link):
+        """Give each command its link and begin it; STATUS is answered at once."""
         for command in commands:
             command.link = link
             if command.kind == STATUS:
@@ -343,6 +345,7 @@ class App:
             asked(link)
 
     def _begin_command(self, command):
+        """Begin a command: hand it to the controller, or let it wait behind those of its link. Refuses it as TOO_MANY_WAITING if _WAITING wait."""
         link = command.link
         if self._overruled and command.kind not in HARMLESS:
             self.controller.refuse(command, self._overruled)

@@ -157,6 +157,7 @@ class FramedPort:
     # --- frames
 
     def _send_frame(self, kind, number=0, data=b""):
+        """Write one frame to the port, without its first delimiter if frames have their full size and the last one went less than 60 ms ago."""
         now_ms, self._owes_ms = self._clock(), None
         wire = codec.delimit_frames(codec.frame(kind, number, self._next, codec.MOST_CREDIT, data))
         follows = self._sender.size == codec.MOST and now_ms - self._sent_ms < _SILENCE_MS

@@ -89,6 +89,7 @@ class GrblClient(Client):
             self.banners += 1
 
     def _log_bytes(self, arrow, data):
+        """Write a line to the log, if there is one: the time to the millisecond, `arrow` and the bytes as Python shows them."""
         if self._log:
             now = time.time()
             clock = time.strftime("%H:%M:%S", time.localtime(now)) + f".{int(now * 1000) % 1000:03d}"
@@ -245,6 +246,8 @@ class GrblClient(Client):
         raise Refused("{}: one ok too many: another program sends lines to {}, too; the job has been stopped. Close that program", where, self.port)
 
     def _has_room(self, under_way, line, count):
+        """Return True if `line` may go beside the lines under way: with `count` while their bytes fit the board's buffer, else only when all are
+        answered."""
         if not count:
             return not under_way
         known = sum(len(sent) + 1 for _, _, sent in under_way)

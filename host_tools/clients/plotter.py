@@ -248,6 +248,7 @@ class PlotterClient:
         self._send_packet(plotter.packet(plotter.COMMANDS[name], x, y), repeat)
 
     def _send_packet(self, data, repeat):
+        """Send a packet, and count it in `resends` if it is a repeat, else in `packets`."""
         if repeat:
             self.resends += 1
         else:

@@ -123,6 +123,7 @@ class PlotterWire:
             self._take_status(status)
 
     def _hear_text(self, letter):
+        """Add a letter of a text answer, and end the command under way once the text is complete."""
         self._text += letter
         if is_complete(self._text):
             self._told, told = answer_of(self._text)

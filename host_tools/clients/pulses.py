@@ -152,6 +152,7 @@ class PulsesClient(Client):
         latest = [time.monotonic()]
 
         def check_board():
+            """Call `idle`, and ask the board for its status each TIMEOUT_S seconds."""
             if idle:
                 idle()
             if time.monotonic() - latest[0] > TIMEOUT_S:

@@ -141,6 +141,7 @@ def _release_lock_with(opened, lock):
     close = opened.close
 
     def close_both():
+        """Close the port, then its lock file; a second call leaves the lock alone."""
         nonlocal lock
         close()
         if lock is not None:

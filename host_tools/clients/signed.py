@@ -82,6 +82,7 @@ class Bridge:
         return out
 
     def _prove_line(self, body):
+        """Return the line as the board takes it, bytes: count, HMAC of nonce, count and body in hex, and body, joined by dots."""
         self._count += 1
         count = b"%d" % self._count
         proof = self._hmac.hex_digest(self._nonce + b"." + count + b"." + body).encode()

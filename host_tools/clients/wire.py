@@ -121,18 +121,21 @@ class Wire:
             self._read_bytes()
 
     def _take_bytes(self, count):
+        """Take `count` bytes off the front of the buffer, log them and return them."""
         data = bytes(self._buffer[:count])
         del self._buffer[:count]
         self._log_bytes("<", data, f"{answer_text(data):<35} {data.hex(' ')}")
         return data
 
     def _read_bytes(self):
+        """Add the bytes that the port has received to the buffer. Raises the error of port_error() if the port fails."""
         try:
             self._buffer += self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError) as error:
             raise port_error(self.port, error) from error
 
     def _log_bytes(self, arrow, data, text):
+        """Write a line to the log, if there is one: the time to the millisecond, `arrow` and `text`."""
         if self._log:
             now = time.time()
             clock = time.strftime("%H:%M:%S", time.localtime(now)) + f".{int(now * 1000) % 1000:03d}"

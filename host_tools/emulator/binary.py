@@ -68,6 +68,8 @@ def check_uf2(path):
 
 
 def _fetch_uf2():
+    """Download MicroPython RELEASE for the Pico from micropython.org and return its path. Raises Unavailable with PASSO_OFFLINE set, or if the
+    download fails."""
     from rp2040py.utils.firmware_retrieve import MICROPYTHON, retrieve
 
     hint = _("set PASSO_UF2 to one, or put it into {} (micropython.org/download/RPI_PICO, v1.26 or later)", CACHE)

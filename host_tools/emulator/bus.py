@@ -25,6 +25,7 @@ class Bus:
 
 
 def install(chip):
+    """Put a Bus before the memory of the DMA channels, and the functions NAMES of the chip's class ahead of all other attributes of the chip."""
     bus = Bus(chip)
     for channel in chip.dma.channels:
         channel.rp2040 = bus

@@ -111,6 +111,7 @@ class FlashCache:
         self.state.miss_cycles = cycles * divider // _LEAST_DIVIDER
 
     def _watch_divider(self):
+        """Patch the flash interface: each write of its divider, and each reset, computes the cost of a miss anew."""
         ssi = self._chip.ssi
         write, reset = ssi.write_uint32, ssi.reset
 
@@ -150,6 +151,7 @@ class FlashCache:
             return read(offset)
 
         def write_uint32(offset, value):
+            """Write a register of the cache: switch it on or off, flush it (takes _FLUSH_CYCLES), or clear a counter (hits, accesses)."""
             write(offset, value)
             if offset == _CONTROL:
                 state.disabled = not value & 1
@@ -197,11 +199,13 @@ class FlashCache:
         flash, ram = memoryview(chip.flash), memoryview(chip.sram)
 
         def make_read(name, width, code):
+            """Return a reader of `width` bytes for the bus method `name`; `code`: the type's letter for memoryview.cast()."""
             stock = getattr(bus, name)
             flash_as, ram_as = flash.cast("B").cast(code), ram.cast("B").cast(code)
             ram_end, shift = _RAM + len(ram), width >> 1
 
             def read(address):
+                """Return the value at an address; a miss in flash takes its cycles. Raises Unaligned if the address is no multiple of `width`."""
                 if address & width - 1:
                     raise Unaligned(core.pc - 2, address)
                 if _RAM <= address < ram_end:
@@ -216,6 +220,7 @@ class FlashCache:
             return read
 
         def make_write(name, width):
+            """Return a writer of `width` bytes for the bus method `name`; it raises Unaligned if the address is no multiple of `width`."""
             stock = getattr(bus, name)
 
             def write(address, value):

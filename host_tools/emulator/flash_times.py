@@ -32,6 +32,7 @@ class FlashTimes:
         self.erased = self.programmed = 0
 
     def _begin_command(self):
+        """Carry out a flash command at its end. Erasing and programming count here, and keep the flash busy for `times` (µs a sector, a page)."""
         ssi = self._ssi
         opcode = ssi._tx_buffer[0] if ssi._tx_buffer and ssi._write_enabled else 0
         self._apply()
@@ -44,6 +45,7 @@ class FlashTimes:
             self._ready_ns = self._clock.nanos + self.times["page_us"] * 1000
 
     def _answer_status(self, byte):
+        """Return the byte that answers `byte`; in a status read, wait until the flash is ready and set its busy bit."""
         said = self._shift(byte)
         sent = self._ssi._tx_buffer
         if len(sent) > 1 and sent[0] == _STATUS:

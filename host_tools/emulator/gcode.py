@@ -236,6 +236,7 @@ def time_holds(machine, count=5):
 
 
 def _send_and_wait(machine, data, answers):
+    """Send bytes to the console and wait for `answers` times "ok". Raises TimeoutError after 2 s of emulated time."""
     console = machine.pico.console
     console.take_output()
     console.send(data)
@@ -273,6 +274,7 @@ def dots_over(machine, link, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
 
 
 def _run_over_link(machine, link, head, text, count, think_us):
+    """Stream `head`, then `count` lines of `text` over `link`. Returns lines a second, measured from a quarter of them on."""
     talk_to(machine)
     asking = Asking(machine, link, think_us)
     lines = [line.rstrip() + b"\n" for line in text.splitlines()]
@@ -288,6 +290,8 @@ def _run_over_link(machine, link, head, text, count, think_us):
 
 
 def _run_from_memory(machine, name, head, count, width, order, limit_ms, profiled):
+    """Let the board run `count` lines of `width` bytes out of its own memory. Returns a dict: lines/s, fewest words ahead, late words, shares of main
+    loop, timers and sleep, and the profile if `profiled`."""
     total = count + len(head) // width
     console = machine.pico.console
     console.send(f"go('{name}.txt',{head!r},{total},{count // 4},{width},{order!r})\n".encode())

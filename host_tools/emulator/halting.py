@@ -90,6 +90,7 @@ def amid_start(rig, pin, deltas, steps_s, before_us):
         return min(cycle for log in rig.step_edges for cycle, _ in log)
 
     def press_at(cycle):
+        """Press the input at a cycle while a line starts. Returns ([cycles from the press to each step edge], the board's answer)."""
         rig.pico.call_at(cycle, lambda: rig.pico.drive_pin(pin, 1))
         _start_line(rig, deltas, steps_s)
         rig.pico.run((cycle - rig.pico.cycle) / CYCLES_PER_US + 20_000)
@@ -153,6 +154,8 @@ def resume_line(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
 
 
 def _answer_of(rig, limit_us):
+    """Wait up to `limit_us` for the answer of the raw REPL and return it as a Python value. Raises TimeoutError, or AssertionError with the board's
+    error."""
     if not rig.pico.run_until(lambda: rig.pico.console.text.count(b"\x04") >= 2, limit_us, 200):
         raise TimeoutError(f"no answer within {limit_us} µs: {rig.pico.console.take_output()!r}")
     said, error = rig.pico.console.take_output().split(b"\x04")[:2]

@@ -23,6 +23,7 @@ class HomingWatch:
         self._status_left = 0
 
     def note_sent(self, data):
+        """Note bytes sent to the board: an ORIGIN packet begins homing, a STATUS packet has an answer of _STATUS_BYTES to be skipped."""
         if not self._knows:
             return
         for value in data:
@@ -33,6 +34,7 @@ class HomingWatch:
                 self._status_left += _STATUS_BYTES
 
     def note_answer(self, value):
+        """Note a byte from the board; call `homed` if it answers ORIGIN with success."""
         if self._status_left:
             self._status_left -= 1
         elif self._homing and value == _ORIGIN_OK:

@@ -58,6 +58,7 @@ class Kernels:
                     yield index, _RAM + 4 * index, code & ~1, 0 if assembly else self._words[index + 1]
 
     def _names_of(self, function):
+        """Return the names under which any dictionary in memory holds the object at address `function`; the first call reads all of memory."""
         if not hasattr(self, "_by_value"):
             self._by_value = {}
             for index in range(len(self._words) - 1):
@@ -99,6 +100,7 @@ class Kernels:
         return self._read_word(address + 4) & _LENGTH_BITS, self._read_word(address + 12), address
 
     def _qstr_text(self, number):
+        """Return the text of an interned string by its number, "" if no pool has it."""
         for first, count, pool in self._pools:
             if first <= number < first + count:
                 index = number - first

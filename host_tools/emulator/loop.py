@@ -45,6 +45,8 @@ class Loop:
             raise self._system.fault
 
     def _run_slowly(self):
+        """Run instruction by instruction in Python until `ended` or until the RUN pin is low. Raises the clock's fault, such as too low a core
+        voltage."""
         core, clock, system = self._chip.core, self.clock, self._system
         while not (self.ended or self._chip.run_pin_low):
             if core.waiting:

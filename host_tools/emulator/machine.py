@@ -48,6 +48,7 @@ def files_of(board):
 
 @lru_cache(maxsize=8)
 def _files_of_text(text):
+    """Return the firmware's files for the text of a board file, as firmware_files() does for a path; keeps the last eight."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "board.py"
         path.write_text(text, encoding="utf-8")

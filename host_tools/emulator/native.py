@@ -51,6 +51,8 @@ def load_library():
 
 
 def _compile_core(path):
+    """Compile core.c to the library `path`, which appears only when whole. Raises FileNotFoundError without a compiler, CalledProcessError if it
+    fails."""
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if not compiler:
         raise FileNotFoundError("no C compiler")
@@ -88,6 +90,8 @@ class NativeLoop:
         chip.sio.reset = restart
 
     def run(self):
+        """Run until `ended` is set or the RUN pin is low: core.c up to the next alarm or an instruction it leaves to Python. Raises Unaligned,
+        NotThumb, Undefined, or the clock's fault."""
         chip, core, clock, state, pointer, run = (
             self._chip, self._chip.core, self.clock, self._state, self._pointer, self._run
         )

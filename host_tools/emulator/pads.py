@@ -28,6 +28,7 @@ class Pads:
         write = pads.write_uint32
 
         def write_and_watch(offset, value):
+            """Write a pad's register; an undriven pin then follows its new pull."""
             write(offset, value)
             gpio = offset - first >> 2
             if 0 <= gpio < PINS and gpio not in self._driven and gpio not in self._outside:
@@ -62,9 +63,11 @@ class Pads:
             self._call_listeners(gpio, RELEASED)
 
     def _make_listener(self, pin):
+        """Return the listener of one pin: it keeps the driven pins, loops outputs back to their inputs and calls Pads' own listeners."""
         gpio = pin.index
 
         def note_state(state, _):
+            """Note a pin's new output state: 0 or 1 driven, above that released."""
             if state > 1:
                 if gpio in self._driven:
                     self._driven.discard(gpio)
@@ -83,6 +86,7 @@ class Pads:
             heard(gpio, state)
 
     def _let_go(self, pin):
+        """Give a released pin the level from outside if there is one, else that of its pull; without a pull, or with both, the level stays."""
         level = self._outside.get(pin.index)
         if level is not None:
             self._set_input(pin, level)
@@ -95,6 +99,7 @@ class Pads:
             pin._driven = False
 
     def _set_input(self, pin, level):
+        """Set the level that a pin reads. The PIO blocks run up to now first."""
         if pin._driven and pin._raw_input_value == level:
             return
         pios = self._chip.pio

@@ -58,6 +58,7 @@ def pwm_request(chip):
     pwm = chip.pwm
 
     def wrap(index):
+        """Raise interrupt and DMA request of PWM slice `index`, whose counter has wrapped; the request lasts one transfer."""
         pwm._int_raw |= 1 << index
         pwm.check_interrupts()
         chip.dma.set_dreq(_PWM_DREQ + index)
@@ -72,6 +73,7 @@ def timer_alarms(chip):
     stock = timer.write_uint32
 
     def write(offset, value):
+        """Write a timer register; an alarm (offset 0x10 to 0x1C) is set to its µs exactly, fractions of the present µs included."""
         stock(offset, value)
         if 0x10 <= offset <= 0x1C:
             micros = timer._micros()

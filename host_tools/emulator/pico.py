@@ -42,6 +42,7 @@ class EmulatedPico:
         self._build_chip(image)
 
     def _build_chip(self, image):
+        """Build the chip with MicroPython in its flash, all patches and the instruments; `image`: the bytes of the file system, or None."""
         from rp2040py.boards import BOARDS, resolve_firmware
         from rp2040py.device import MicroPythonDevice
         from rp2040py.utils.logging import LogLevel
@@ -67,6 +68,7 @@ class EmulatedPico:
             self.chip.flash[start : start + len(image)] = image
 
     def _make_loop(self):
+        """Return the loop that runs the chip: core.c's if it compiles, else Python's, with each access watched if flash misses cost time."""
         if "pio" not in self._leave_out and native.load_library():
             return native.NativeLoop(self.chip, self.flash_cache)
         if self._flash_miss:

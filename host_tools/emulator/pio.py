@@ -55,6 +55,7 @@ class TimedPio(RPPIO):
     # --- the bus
 
     def read_uint32(self, offset):
+        """Run the block up to now and return a register's value."""
         self._unpark_machines()
         self.catch_up(_MACHINES <= offset < _MACHINES_END)
         value = super().read_uint32(offset)
@@ -62,6 +63,7 @@ class TimedPio(RPPIO):
         return value
 
     def write_uint32(self, offset, value):
+        """Run the block up to now and write a register; a change of program or configuration forgets the delay loops found."""
         self._unpark_machines()
         configures = offset == _CONTROL or _MEMORY <= offset < _MACHINES_END
         self.catch_up(configures)
@@ -77,6 +79,7 @@ class TimedPio(RPPIO):
         self._plan_alarm()
 
     def reset(self):
+        """Reset the block: time counts from now, no loop is skipped and no machine parked."""
         super().reset()
         self._origin = self._system.cycle()
         self._skips = [None] * 4
@@ -126,6 +129,7 @@ class TimedPio(RPPIO):
         self._running = False
 
     def _unwind_loops(self, now):
+        """Put the counters and times of skipped delay loops back to those of `now` (cycles, 8 fractional bits)."""
         if not any(self._skips):
             return
         for index, skip in enumerate(self._skips):
@@ -192,6 +196,7 @@ class TimedPio(RPPIO):
         return pins
 
     def _unpark_machines(self, gpio=None):
+        """Take back machines that wait in a loop for an input (`gpio`; None: any), with x, OSR and time as of now."""
         for index, parked in enumerate(self._parked):
             if gpio is None or parked is None or gpio in parked[2]:
                 self._passes[index] = None
@@ -210,6 +215,7 @@ class TimedPio(RPPIO):
     # --- delay loops
 
     def _skip_loop(self, machine):
+        """Run through a delay loop at once if `machine` is at one: set its counters to their end and its due time to that of the last pass."""
         index = machine.index
         skip = self._skips[index]
         if skip is not None:

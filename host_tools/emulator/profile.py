@@ -96,6 +96,7 @@ class Profile:
 
 
 def _slot_of(pc):
+    """Return the index in core.c's counters of an address of code: flash first, then RAM, then ROM, a slot each 2 bytes."""
     if pc < _FLASH:
         return _FLASH_SLOTS + _RAM_SLOTS + pc // 2 % _ROM_SLOTS
     if pc < _RAM:
@@ -104,6 +105,7 @@ def _slot_of(pc):
 
 
 def _address_of(slot):
+    """Return the address of code that a slot of core.c's counters stands for; the inverse of _slot_of()."""
     if slot < _FLASH_SLOTS:
         return _FLASH + 2 * slot
     if slot < _FLASH_SLOTS + _RAM_SLOTS:
@@ -161,6 +163,7 @@ class Spent:
 
 
 def _sum_costs(costs):
+    """Return the sum of an iterable of Costs."""
     total = Cost()
     for cost in costs:
         total += cost

@@ -31,6 +31,7 @@ class Quadrature:
         self._show_levels()
 
     def _step_once(self):
+        """Turn the encoder by one count towards `left` = 0, and set the alarm for the next."""
         if not self.left:  # turned back meanwhile
             return
         sign = 1 if self.left > 0 else -1

@@ -104,6 +104,7 @@ class Asking:
         self.unanswered = []  # lengths of the lines sent
 
     def _take_bytes(self, data):
+        """Take bytes from the board: note the cycle of each "<", and count each "ok" as an answer, `think_us` later if the PC thinks."""
         self._begins += [self._pico.cycle] * data.count(b"<")
         before = self.said.count(b"ok\r\n")
         self.said += data
@@ -131,6 +132,7 @@ class Asking:
         self._send_waiting()
 
     def _send_waiting(self):
+        """Send waiting lines while the unanswered bytes fit the window."""
         while self._lines and sum(self.unanswered) + len(self._lines[0]) <= self._window:
             line = self._lines.pop(0)
             self.unanswered.append(len(line))

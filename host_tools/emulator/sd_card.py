@@ -19,6 +19,7 @@ _HIGH = 0xFF
 
 
 def _crc7(data):
+    """Return a command's last byte: the CRC7 of `data` in the upper seven bits, and the end bit, as the SD specification has it."""
     crc = 0
     for byte in data:
         crc ^= byte
@@ -43,6 +44,7 @@ class SdCard:
         self._reply = _HIGH
 
     def _power_up(self):
+        """Set the card as it is after power-up: idle, no command, no block under way."""
         self._idle = True
         self._asked = 0  # times for ACMD41
         self._application = False
@@ -58,6 +60,7 @@ class SdCard:
         self._command.clear()
 
     def _transmit_byte(self, value):
+        """Exchange a byte with the Pico, in eight SPI clocks; with no card inside or none selected it reads high bits."""
         self._reply = self._exchange_byte(value) if self.inside and self._selected else _HIGH
         if not self.inside:
             self._power_up()
@@ -107,6 +110,7 @@ class SdCard:
         self._out.extend([_HIGH, _TOKEN, *data, 0, 0])
 
     def _csd_register(self):
+        """Return the card's CSD register of version 2, 16 bytes: its size in units of 512 KiB, all else 0."""
         units = len(self.data) // _CSD_UNIT - 1
         csd = bytearray(16)
         csd[0] = 0x40
@@ -114,6 +118,7 @@ class SdCard:
         return csd
 
     def _obey_command(self, command):
+        """Queue the answer to a command of 6 bytes (number, argument, CRC7), and begin the read or write that it asks for."""
         number, argument = command[0] & 0x3F, int.from_bytes(command[1:5], "big")
         application, self._application = self._application, False
         self._reading = None

@@ -73,12 +73,14 @@ class Sender:
         self._wanted = self._ended = 0  # how many, and the cycle at which they were all there
 
     def _send_bytes(self, data):
+        """Send bytes over the UART at the given baud rate, or over USB if there is no UART wire."""
         if self._wire:
             self._wire.feed(data, self._baud)
         else:
             self._pico.usb.write(data)
 
     def _take_answers(self, data):
+        """Take the board's bytes, send a packet for each NEXT in them, and note the cycle at which all answers are there."""
         self._answers += data
         for _ in range(min(data.count(NEXT), len(self._packets))):
             self._send_bytes(self._packets.pop(0))

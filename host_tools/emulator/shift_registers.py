@@ -42,6 +42,7 @@ class Chains:
             self._pico.drive_pin(self._in, self._loaded[0])
 
     def _on_clock(self, _, state):
+        """Shift both chains by one bit at the clock's rising edge; the 74HC165s load instead while the latch is low."""
         rising = state == 1 and self._clock == 0
         self._clock = state
         if not rising:
@@ -54,6 +55,7 @@ class Chains:
             self._show_first()
 
     def _on_latch(self, _, state):
+        """Load the inputs (74HC165) while the latch is low; as it rises take over the outputs (74HC595), and report each that has changed."""
         rising = state == 1 and self._latch == 0
         self._latch = state
         if state == 0:

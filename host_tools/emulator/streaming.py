@@ -40,6 +40,7 @@ class EmulatedPort:
         return len(self._received)
 
     def read(self, size=1):
+        """Return up to `size` bytes. If there are none, let the machine run first, as long as a read waits (µs, ± half with a seed)."""
         if not self.in_waiting:
             self.machine.pico.run(round(self._waits_us * self._chance.uniform(0.5, 1.5)) if self._chance else self._waits_us)
         size = min(size, self.in_waiting)

@@ -56,6 +56,7 @@ class Pll:
         return _CRYSTAL_HZ // max(1, control & 63) * multiplier // after
 
     def read_uint32(self, offset):
+        """Return a register of the PLL, with the lock bit if its PLL and VCO have power; 0 behind the four registers."""
         if offset >> 2 > 3:
             return 0
         value = self._values[offset >> 2]
@@ -97,6 +98,7 @@ class SystemClock:
             self._clock.tick(self.nanos_at(cycle + 1) - self._clock.nanos)
 
     def install(self):
+        """Put both PLLs into the chip, and patch its clock registers and regulator."""
         chip = self._chip
         self._pll = chip.peripherals[_SYS_PLL] = Pll(self._follow_registers)
         self._usb_pll = chip.peripherals[_USB_PLL] = Pll(self._follow_registers)
@@ -104,11 +106,13 @@ class SystemClock:
         self._patch_regulator()
 
     def _patch_clocks(self):
+        """Patch the clock registers: writes change the chip's clock, and the frequency counter counts clk_sys."""
         chip, clocks = self._chip, self._chip.clocks
         read, write, reset = clocks.read_uint32, clocks.write_uint32, clocks.reset
         counter = {_REFERENCE: 0, _INTERVAL: 8}
 
         def write_uint32(offset, value):
+            """Write a clock register; a write to the counter's source begins a count."""
             if offset == _SOURCE:
                 took_ns = _COUNT_NS << (counter[_INTERVAL] & 15)
                 khz = self.hz // 1000 if value == _CLK_SYS and counter[_REFERENCE] == _CRYSTAL_HZ // 1000 else 0
@@ -121,6 +125,7 @@ class SystemClock:
                 self._follow_registers()
 
         def read_uint32(offset):
+            """Return a clock register's value; status and result (kHz, 5 fractional bits) are the frequency counter's."""
             if offset not in (_STATUS, _RESULT):
                 return read(offset)
             if self._counted is None:
@@ -129,6 +134,7 @@ class SystemClock:
             return (_DONE if done else _RUNNING) if offset == _STATUS else done and result
 
         def restart():
+            """Reset clocks, PLLs and core voltage (1.10 V)."""
             reset()
             for base in (_SYS_PLL, _USB_PLL):
                 chip.peripherals[base].reset()
@@ -139,6 +145,7 @@ class SystemClock:
         clocks.read_uint32, clocks.write_uint32, clocks.reset = read_uint32, write_uint32, restart
 
     def _patch_regulator(self):
+        """Patch the core voltage regulator: its in-regulation bit comes _SETTLE_NS after a change of voltage."""
         regulator, clock = self._chip.vreg_and_chip_reset, self._clock
         read, write = regulator.read_uint32, regulator.write_uint32
 
@@ -147,6 +154,7 @@ class SystemClock:
             return value | _IN_REGULATION if offset == _VREG and clock.nanos >= self._steady_ns else value
 
         def write_uint32(offset, value):
+            """Write the regulator's register, then check the voltage against the clock."""
             if offset == _VREG:
                 if (value ^ read(offset)) & 0xF0:
                     self._steady_ns = clock.nanos + _SETTLE_NS
@@ -167,6 +175,7 @@ class SystemClock:
         self._chip.clk_peri = (self.hz, self._pll.hz, self._usb_pll.hz)[chosen] if chosen < 3 else _CRYSTAL_HZ
 
     def _change_clock(self, hz):
+        """Run processor, PWM and SysTick at `hz` from now on, between the calls of `before` and `after`; then check the core voltage."""
         if hz == self.hz:
             return
         for told in self.before:

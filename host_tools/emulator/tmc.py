@@ -21,6 +21,7 @@ class WiredDrivers:
         self.wire.listeners.append(self._take_byte)
 
     def _take_byte(self, value):
+        """Give a byte of the Pico back on the wire, and let the drivers' replies follow CLOCKS bits behind it."""
         data = bytes((value,))
         self.wire.feed(data, self._baud)
         for reply in self.model.replies_to(data):
@@ -41,6 +42,7 @@ class WiredSpiDrivers:
         pico.pads.add_listener(config["sck"], lambda _, state: self._on_clock(state))
 
     def _on_select(self, cs, state):
+        """Begin or end a transfer with the driver of pin `cs`, as the pin goes low or high."""
         if state == 1 and self._cs == cs:
             self._cs = None
             self.model.set_cs(cs, 1)
@@ -51,6 +53,7 @@ class WiredSpiDrivers:
             self._show_output()
 
     def _on_clock(self, state):
+        """Clock a bit into the selected driver as the clock rises; show the next bit of its output as it falls."""
         if self._cs is not None and state == 1:
             self.model.clock_bit(self._cs, self._pads.state_of(self._config["tx"]) & 1)
         elif self._cs is not None:

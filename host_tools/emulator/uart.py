@@ -41,6 +41,7 @@ class Pl011(RPUART):
         self._overrun = False
 
     def reset(self):
+        """Reset the UART: FIFOs, registers, alarms and interrupts."""
         super().reset()
         if self._ready:  # the chip resets its blocks while it is being built
             self._shift_alarm.cancel()
@@ -64,6 +65,7 @@ class Pl011(RPUART):
         return delay_ns(bits * self._bit_ns)
 
     def check_interrupts(self):
+        """Set the interrupt line from raised and masked bits, and both DMA requests from the FIFOs."""
         self.rp2040.set_interrupt(self.irq, bool(self._raised & self._interrupt_mask))
         dma = self.rp2040.dma
         room = self._dma & 2 and self.enabled and len(self._to_send) < self._depth
@@ -78,6 +80,8 @@ class Pl011(RPUART):
         return _TRIGGERS[self._levels >> 3 & 7] if self.fifos_enabled else 1
 
     def _send_next(self):
+        """Begin to shift out the next byte if none is under way and the transmitter is on; raise the transmit interrupt as the FIFO falls to its
+        level."""
         if self._shifting is None and self._to_send and self.enabled and self.tx_enabled:
             before = len(self._to_send)
             self._shifting = self._to_send.popleft()
@@ -86,6 +90,7 @@ class Pl011(RPUART):
             self._shift_alarm.schedule(self._character_ns)
 
     def _end_shift(self):
+        """Hand on the byte whose stop bit has gone out, also to the receiver in loop-back, and begin the next."""
         value, self._shifting = self._shifting, None
         if self._ctrl_register & 0x80:  # loop back
             self.feed_byte(value)
@@ -119,6 +124,8 @@ class Pl011(RPUART):
             self.check_interrupts()
 
     def _read_data(self):
+        """Return the next received byte, its error bits above it, 0 if the FIFO is empty; clears the receive and time-out interrupts that no longer
+        hold."""
         value = self._received.popleft() if self._received else 0
         self._errors = value >> 8
         if len(self._received) < self._receive_trigger():
@@ -132,6 +139,7 @@ class Pl011(RPUART):
         return value
 
     def _flag_register(self):
+        """Return UARTFR: 0x80 transmit FIFO empty, 0x40 receive FIFO full, 0x20 transmit FIFO full, 0x10 receive FIFO empty, 0x08 busy."""
         sending, received, depth = len(self._to_send), len(self._received), self._depth
         return (
             (0x80 if not sending else 0)
@@ -142,6 +150,7 @@ class Pl011(RPUART):
         )
 
     def read_uint32(self, offset):
+        """Return the value of a PL011 register, as the RP2040 has it."""
         if offset == _DATA:
             return self._read_data()
         if offset == _FLAGS:
@@ -161,6 +170,7 @@ class Pl011(RPUART):
         return super().read_uint32(offset)
 
     def write_uint32(self, offset, value):
+        """Write a PL011 register. A byte for a full FIFO is lost; a change of the FIFOs' enable bit empties both."""
         if offset == _DATA:
             if len(self._to_send) < self._depth:
                 self._to_send.append(value & 0xFF)

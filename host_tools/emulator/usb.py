@@ -39,6 +39,7 @@ class UsbPort:
         return len(self._to_send)
 
     def _serve_buffer(self):
+        """Send the PC's next bytes into the armed OUT buffer, if there are both."""
         if self._armed is None or not self._to_send:
             return
         size, self._armed = self._armed, None
@@ -46,6 +47,7 @@ class UsbPort:
         self._usb.endpoint_read_done(self._cdc._out_endpoint, bytes(data), PACKET_US)
 
     def _on_read(self, endpoint, size):
+        """Keep the OUT buffer that the chip arms until the PC has bytes for it; not `quiet`: answer it at once with 0 bytes, as rp2040py does."""
         if endpoint != self._cdc._out_endpoint:
             self._stock_read(endpoint, size)
         elif self._to_send or self._quiet:
@@ -55,6 +57,7 @@ class UsbPort:
             self._usb.endpoint_read_done(endpoint, b"")
 
     def _on_reset(self):
+        """Forget armed buffer and bytes to send at a bus reset, then reset the stock port and call `on_reset`."""
         self._armed = None
         self._to_send.clear()
         self.up = False

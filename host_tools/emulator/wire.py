@@ -60,12 +60,14 @@ class Wire:
         self._pico.call_at(self._coming[0][0], self._deliver_byte)
 
     def _deliver_byte(self):
+        """Give the UART the next byte from the PC, and plan the one behind it."""
         _, value = self._coming.popleft()
         self._uart.feed_byte(value)
         if self._coming:
             self._plan_arrival()
 
     def _note_byte(self, value):
+        """Keep a byte that the Pico has sent, with its cycle, and hand it to the listeners."""
         self.output.append(value)
         self.stamps.append(cycles.now_cycles(self._pico.chip.clock))
         self.count += 1

@@ -83,6 +83,7 @@ class Wiring:
             self._pico.drive_pin(gpio, level)
 
     def _on_pin(self, gpio, state):
+        """Note the new level of a pin of the player; edges within SETTLE_CYCLES go to the world as one."""
         bit = self._bits[gpio]
         level = bit if state == 1 else 0 if state == 0 else self._rest & bit
         levels = self._levels & ~bit | level
@@ -93,6 +94,7 @@ class Wiring:
             self._levels = levels
 
     def _flush_edges(self):
+        """Give the world the edges gathered, with the tick of the first."""
         tick, self._since = self._since, None
         changed = self._levels ^ self._seen
         if changed:
@@ -108,6 +110,7 @@ class Wiring:
             wires.turn_by(encoder.count - wires.count - wires.left)
 
     def _on_output(self, gpio, state):
+        """Give the world the new level of an output; a released pin counts as inactive."""
         self._flush_edges()
         if gpio not in self._outputs:
             return  # a bit of a register that nothing is wired to
@@ -132,6 +135,7 @@ class Wiring:
         self._plan_event()
 
     def _plan_event(self):
+        """Set the alarm for the world's next event, or cancel it if there is none."""
         due = self._world.next_event()
         if due is None:
             self._event_alarm.cancel()

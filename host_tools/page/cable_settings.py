@@ -135,6 +135,7 @@ def with_settings(kind):
                 self.wire.send_command(self._questions.pop_question())
 
         def _take_setting(self, event):
+            """Take a board's answer about a setting; apply the settings once all are there."""
             found = self._questions.take_answer(event)
             if found:
                 self.settings = found

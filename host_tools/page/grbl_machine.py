@@ -57,12 +57,14 @@ class GrblMachine(_Cabled):
         _Cabled.poll(self, now_ms)
 
     def _take_options(self, error):
+        """Take the end of $I's answer: keep the option letters, or "" after _MOST_DOUBTS answers without them."""
         if not error and self._letters is None and self._doubts < _MOST_DOUBTS:
             self._doubts += 1
         elif not error:
             self.options = self._letters or ""
 
     def _note_settings(self, error):
+        """Take the end of $$'s answer: send axes and settings to the pages; at an error ask again later."""
         if error or self.options is None or not self.settings:
             self._known = False
             return

@@ -119,6 +119,7 @@ class PanelOrders(Orders):
         return {"t": "jobs", "jobs": self.store.job_names() if self.store else []}
 
     def _job_text(self, order):
+        """Return a piece of a job's text from offset `at` on, with the job's size, or the number of an error."""
         name = text_field(order, "name", 64)
         at = int(number_field(order, "at", 0, _MOST_NUMBER, 0))
         found = self.store.text_piece(name, at)

@@ -168,6 +168,7 @@ class PlotterJob:
             self._send_packet("END", 0, 0, self._arrive_back)
 
     def _arrive_back(self, error):
+        """Note that the machine stands one point further back, and send the next line."""
         if not self._ends_with(error):
             self._at = self._back_to() + 1
             if self._once:

@@ -127,6 +127,7 @@ class Queue:
         self._reads = True
 
         def take_job(found):
+            """Offer the job just read, or stop the queue if it was stopped meanwhile."""
             self._reads = False
             if self._now and self._stops == stops:
                 self._now = ""

@@ -113,6 +113,7 @@ class StoredJobs(Job):
         return self._kept is not None or Job.is_running(self)
 
     def _begin_job(self, name, what):
+        """Begin the job `name` on the pages; `what`: store, run or check."""
         self.name = name
         self._kept = what
         self._sent = self._line = self._failed = self._quiet = 0
@@ -203,6 +204,7 @@ class StoredJobs(Job):
     # --- the state
 
     def _tell_kept(self, how, error):
+        """Show the stored job's state on the pages: `how`, an error's number or 0, and the parts done of _WHOLE."""
         self._machine.state["job"] = {
             "name": self.name, "how": how, "error": error, "line": self._line, "lines": _WHOLE, "done": _WHOLE if how in ("done", "kept") else self._sent,
             "pass": 1, "passes": 1, "checked": self._kept == "check", "single": False, "stored": True,

@@ -86,6 +86,7 @@ class Teach:
         return "\n".join(lines) + "\n"
 
     def _flush_points(self):
+        """Turn the points gathered into lines of G-code, and keep only the last point."""
         if len(self._points) > 1:
             self._lines += self._recognise(self._points, self._ways) if self._recognise else lines_of(self._points)
             self._points = self._points[-1:]

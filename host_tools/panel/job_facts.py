@@ -60,6 +60,7 @@ def packets_of(board):
     times = Estimate(board)
 
     def packet_facts(lines, settings):
+        """Return the facts of a drawing's lines: their count and, up to MOST_LINES, the seconds they take; no tools, no pauses."""
         found = {"lines": len(lines), "tools": [], "pauses": 0}
         words = [line.split() for _, line in lines]
         if len(lines) <= MOST_LINES:

@@ -44,6 +44,7 @@ class Form:
         return [pin for pin in range(PIN[2], PIN[3] + 1) if self._has_pin(pin)]
 
     def _has_pin(self, pin):
+        """Return True if the board's chip has the pin."""
         try:
             check_pin(self._board["chip"], pin, "", False)
         except BoardError:

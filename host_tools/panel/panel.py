@@ -101,6 +101,7 @@ class Panel:
             self._loop.remove_reader(fd)
 
     def _read_board(self):
+        """Read the board's bytes and feed them to the machine, then let the sender beside the page speak."""
         data = self._port.read()
         if data:
             self.machine.feed(data, clock_ms())
@@ -108,6 +109,7 @@ class Panel:
                 self.machine.guest.poll()
 
     def _read_guest(self):
+        """Poll the operator's consent to the sender beside the page, if it needs one, and feed its bytes to the machine."""
         if self._guest.consent:
             self._admit_guest(self._guest.consent)
         data = self._guest.read()

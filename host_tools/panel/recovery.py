@@ -97,6 +97,7 @@ class RecoverableJobs(StoredJobs):
         number = self._plan_number
 
         def take_result(result):
+            """Hand the result on if no job and no newer search has begun meanwhile."""
             if self._plan_number == number and not self.is_running():
                 then(result)
             else:
@@ -204,12 +205,14 @@ class RecoverableJobs(StoredJobs):
             return errors.NO_SUCH_JOB
 
         def plan_offer(error):
+            """Replay the job up to the line, beside the machine, from the board's answers; at an error do nothing."""
             said, self._collects = self._collects or [], None
             if not error:
                 self._plan_number += 1
                 self._run_beside(lambda: _or_failure(lambda: self._from_line(name, line, said)[0].held), set_offer)
 
         def set_offer(held):
+            """Show the offer to begin at the line, or the failure of the replay."""
             if isinstance(held, Failure):
                 self._tell_all({"t": "refused", "text": held.message()})
                 return
@@ -332,6 +335,7 @@ class RecoverableJobs(StoredJobs):
 
 
 def _or_failure(work):
+    """Return work()'s result, or the Failure that it raises."""
     try:
         return work()
     except Failure as failure:

@@ -196,6 +196,7 @@ class Server:
 
         @app.post("/stop")
         async def stop(request):
+            """Stop the machine. Refuses a request older than the last; slow work runs in a thread."""
             self.pages.refuse_older(request.body)
             answer = self.api.begin({"do": "stop"}, False)
             later = answer["error"]
@@ -214,6 +215,7 @@ class Server:
         return is_own_request(host, origin, self._names, request.path == "/ws")
 
     def _file_response(self, name):
+        """Return the response with a file of the page, or 404."""
         data = self._file_data(name)
         if data is None:
             return "not here", 404

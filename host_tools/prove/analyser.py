@@ -114,6 +114,8 @@ def names_of(raw, base):
 
 
 def _write_vcd(path, capture, names):
+    """Write a capture to `path` as VCD, one wire for each name, bit 0 first. The time unit is the largest power of ten that divides the sample's
+    period."""
     from vcd import VCDWriter
 
     # The largest unit that divides a sample's period: programs that sample a VCD anew use the file's unit as their period.
@@ -132,6 +134,7 @@ def _write_vcd(path, capture, names):
 
 
 def _write_sigrok(path, capture, names):
+    """Write a capture to `path` in sigrok's session format (.sr): a zip of version, metadata and samples, a byte each."""
     probes = "".join(f"probe{number}={name}\n" for number, name in enumerate(names, 1))
     metadata = f"[global]\nsigrok version=0.5.2\n\n[device 1]\ncapturefile=logic-1\ntotal probes={CHANNELS}\nsamplerate={capture.hz:.0f} Hz\ntotal analog=0\n{probes}unitsize=1\n"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:

@@ -33,11 +33,13 @@ def edge_of(trigger):
 
 
 def recorder_program(trigger):
+    """Return the PIO program of the recorder: wait for `trigger` (None: begin at once), then sample 8 pins each cycle."""
     kind, pin, width = (trigger + (1,))[:3] if trigger else (None, 0, 1)
     word, edge = kind == WORD, edge_of(trigger)  # an assembler's function sees no globals
 
     @rp2.asm_pio(in_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_RX, autopush=True, push_thresh=32)
     def program():
+        """Sample 8 pins each cycle, 4 samples a word of the FIFO."""
         if word:
             label("look")
             mov(isr, null)  # nothing seen yet

@@ -13,6 +13,7 @@ from uctypes import addressof
 
 
 def stamp_of(path):
+    """Return the text of a stamp file, "" if there is none."""
     try:
         with open(path) as file:
             return file.read().strip()
@@ -54,6 +55,7 @@ class Timed:
         self.pages.append((ticks_us() - begun) * 256 // max(len(data), 256))
 
     def ioctl(self, order, block):
+        """Pass an order to the flash; note the time of each erase (order 6) in µs."""
         begun = ticks_us()
         done = flash.ioctl(order, block)
         if order == 6:
@@ -62,6 +64,7 @@ class Timed:
 
 
 def write():
+    """Write 8 KiB to a file, then remove it."""
     with open("prove.tmp", "wb") as file:
         for _ in range(16):
             file.write(bytes(range(256)) * 2)
@@ -69,6 +72,7 @@ def write():
 
 
 def measure_flash():
+    """Mount the flash with times, write to it, mount it as before; print the times of erases and pages in µs."""
     timed = Timed()
     vfs.umount("/")
     try:

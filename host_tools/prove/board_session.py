@@ -37,6 +37,7 @@ def deep_copy(value):
 
 
 def _check_board(changes, without):
+    """Check BOARD with `changes` and without the keys `without`, and keep it in `board`, before the app is loaded."""
     global start, board
     from passo.ports.rp2.start import Start
 
@@ -56,6 +57,7 @@ def _check_board(changes, without):
 
 
 def _load_app():
+    """Import all modules that the board wants. Returns App."""
     from passo.app import App
     from passo.machine_builder import load_all
 
@@ -66,6 +68,7 @@ def _load_app():
 
 
 def _make_app(App, made):
+    """Build the app on the port `made`, and keep its parts in globals. The collector then runs only when asked or when memory is full."""
     global port, app, planner, feeder, player
     port = made
     app = App(board, port, None, None, start.rooms)
@@ -116,6 +119,7 @@ def set_pull(pin, up):
 
 
 def queue_lines(lines):
+    """Queue lines, [(steps of each axis, ticks)], for the next cycle to play."""
     feeder.open = False  # until a cycle opens it: if the interrupt set out first, the motors would not count as ready before all of it was played
     for deltas, ticks in lines:
         planner.line(deltas, ticks, False)

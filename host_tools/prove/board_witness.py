@@ -26,10 +26,12 @@ def pad_address(pin):
 
 
 def witness_program(width):
+    """Return the PIO program of the witness of `width` pins."""
     count = 32 - width
 
     @rp2.asm_pio(in_shiftdir=rp2.PIO.SHIFT_LEFT, fifo_join=rp2.PIO.JOIN_RX)
     def program():
+        """Push the levels, with a count of passes below them, each time a pin changes."""
         label("changed")
         mov(y, x)  # the levels as they are from now on
         in_(osr, count)  # the count behind them

@@ -30,6 +30,7 @@ class Words:
     # the player
 
     def start(self):
+        """Take all words out of the ring at once, and add them to the hash."""
         ring = self._ring
         while self._played != ring.head:
             at = self._played & ring.mask
@@ -102,6 +103,7 @@ class Words:
 
 
 def run_until_still(app):
+    """Run the main loop until it has had nothing to do for STILL cycles in a row."""
     still = 0
     while still < STILL:
         app.cycle()

@@ -90,6 +90,7 @@ class EmulatedBoard(Board):
         self.pico = EmulatedPico(files=board_file(board) if uf2 else firmware_files(str(board)), uf2=uf2).boot()
 
     def restart_interpreter(self):
+        """Soft-reset the interpreter into the raw REPL, main.py not run."""
         self.pico.console.start("pass")
         self.pico.console.expect(b"\x04\x04>")
         self.write(b"\x04")
@@ -129,6 +130,7 @@ class PortBoard(Board):
         self._open_port()
 
     def _open_port(self):
+        """Open the serial port. Raises Failure with its name and the cause."""
         from mpremote.transport import TransportError
         from mpremote.transport_serial import SerialTransport
 
@@ -139,6 +141,7 @@ class PortBoard(Board):
             raise Failure("{}: {}", self.name, str(error)) from None
 
     def restart_interpreter(self):
+        """Soft-reset the interpreter into the raw REPL, main.py not run; try for _PRESS_S seconds, and ask for the reset button. Raises Silent."""
         from mpremote.transport import TransportError
 
         end = self.now_s() + _PRESS_S
@@ -164,6 +167,7 @@ class PortBoard(Board):
         self.heard = b""
 
     def start(self, code):
+        """Send code in raw paste mode and let it run. Raises Failure if the board does not take it."""
         from mpremote.transport import TransportError
 
         self.take_output()
@@ -186,6 +190,7 @@ class PortBoard(Board):
 
     @contextlib.contextmanager
     def _wire_there(self):
+        """Turn an OSError of the port, such as an unplugged cable, into a Failure."""
         try:
             yield
         except OSError as error:

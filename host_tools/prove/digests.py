@@ -7,6 +7,7 @@ from host_tools.prove.row import LEFT_OUT, Row, equality_row, number_text
 
 
 def digests(proof):
+    """Yield a row: the golden jobs of the board's language, run on the chip and here; the digests of their words must be equal."""
     language = proof.raw["links"][0]["protocol"]
     jobs = jobs_of(language)
     if not jobs:
@@ -38,6 +39,7 @@ def digests(proof):
 
 
 def jobs_of(language):
+    """Return {name: job} of the golden jobs in a language, {} if it has none: lines of a three-axis router, or packets."""
     if language == "grbl":
         return {name: lines for name, (board, lines) in all_jobs().items() if board.startswith("router_3axis") and name != "drilling"}
     if language == "plotter":

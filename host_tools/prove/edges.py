@@ -91,6 +91,7 @@ def compare_edges(seen, changes, width, axes, motors, mhz):
 
 
 def _measure_pulses(found, seen, axes, motors, ns):
+    """Set in `found` the steps, the first axis's intervals, and the shortest and longest pulse and shortest setup time, in ns."""
     widths, setups, rises = [], [], {}
     turned = {}
     for (_, before), (cycle, levels) in zip(seen, seen[1:]):

@@ -12,6 +12,7 @@ LEAST_MV = 800  # of the RP2040's regulator, levels 0 to 5; 50 more with each fu
 
 
 def facts(proof):
+    """Yield rows about chip, flash, interpreter, unique number and build, and the times of erasing and programming in ms."""
     board = proof.board
     board.restart_interpreter()
     said = {}
@@ -33,6 +34,7 @@ def facts(proof):
 
 
 def memory(proof):
+    """Yield rows about clock (kHz), core voltage (mV), crystal, collection time (ms) and free memory (bytes) with the app loaded."""
     board = proof.board
     board.restart_interpreter()
     board.exec(program_text("board_session.py"))
@@ -65,6 +67,7 @@ def judge_crystal(proof):
     board.start("import sys\nwhile sys.stdin.read(1) == 't': print(ticks_us())")
 
     def read_clocks():
+        """Return (seconds that the question took, the PC's time in its middle, the board's answer)."""
         before = board.now_s()
         board.write(b"t")
         said = int(board.expect(b"\n"))
@@ -84,6 +87,8 @@ def judge_crystal(proof):
 
 
 def watchdog(proof):
+    """Yield a row: the time in ms from an endless loop until the board is back. Raises Failure without a reset within 12 s, or with another cause of
+    it."""
     board = proof.board
     board.restart_interpreter()
     begun = board.now_s()

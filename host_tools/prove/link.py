@@ -21,6 +21,7 @@ _ANSWER = re.compile(rb"(?:ok|error:\d+)\r\n")
 
 
 def link(proof):
+    """Yield the rows of the link: bytes lost, then answer times and rate in the language of the first link, over USB."""
     first = proof.raw["links"][0]
     language = first["protocol"]
     axes = [dict(axis, max_mm_min=30_000, accel_mm_s2=300_000) for axis in proof.raw["axes"]]
@@ -39,6 +40,7 @@ def link(proof):
 
 
 def bytes_through(proof):
+    """Yield a row: bytes lost or changed of BYTES random ones sent to the board and as many sent back."""
     board = proof.board
     data = random.Random(37).randbytes(BYTES)
     board.start(f"echo_bytes({BYTES})")
@@ -57,6 +59,7 @@ def bytes_through(proof):
 
 
 def grbl_link(proof):
+    """Yield rows: answer time to `?` at rest in ms, lines a second with late words, and answer time to `?` while lines stream."""
     board = proof.board
     board.start(f"serve({QUIET_MS})")
     board.expect(b"ready\r\n")
@@ -115,6 +118,7 @@ class SpoiledWire:
         return len(self._board.heard)
 
     def read(self, size):
+        """Return up to `size` bytes from the board, b"" after 0.5 ms without any."""
         if not self.in_waiting:
             self._board.wait_s(0.0005)
         data = self._board.take_output()
@@ -122,6 +126,7 @@ class SpoiledWire:
         return data[:size]
 
     def write(self, data):
+        """Send bytes with a bit flipped in each SPOILED-th, but for the first write, and count the flips in `spoiled`."""
         data = bytearray(data)
         for at in range(-self._written % SPOILED, len(data), SPOILED):
             if self._written:  # HELLO comes whole
@@ -132,6 +137,7 @@ class SpoiledWire:
 
 
 def plotter_link(proof):
+    """Yield rows: answer time to REQUEST in ms, and packets a second with 32 under way."""
     from passo.protocols.plotter.host import PACKET
 
     board = proof.board

@@ -107,6 +107,7 @@ def play_lines(proof, changes, lines):
 
 
 def difference_text(found, shape):
+    """Return the sentence about pins that differ from the words, with the two GPIOs if they are swapped."""
     if found.swapped:
         a, b = (shape.base + bit for bit in found.swapped)
         return _("GPIO{} and GPIO{} do what the other should: the pins are swapped", a, b)
@@ -129,6 +130,7 @@ def there_and_back(board, seconds):
 
 
 def edges_of(proof):
+    """Yield the rows of moves at the board's own speed: every edge as the words have it, pulse length, setup time (ns) and late words."""
     changes = without_ramps(proof)
     board = proof.machine(changes)
     found, late, shape, seen = play_lines(proof, changes, there_and_back(board, OWN_S))
@@ -154,6 +156,7 @@ def edges_of(proof):
 
 
 def fastest(proof):
+    """Yield a row: three axes at FAST_HZ steps/s with 1 µs pulses; kept if all edges come in time. Left out for coils and the timer player."""
     if proof.raw["drive"]["kind"] != "step_dir" or proof.raw.get("player", "pio") == "timer":
         yield Row("fastest", _("three axes at their fastest"), _("not for coils, nor for the timer player"), verdict=LEFT_OUT)
         return
@@ -175,6 +178,7 @@ def note_timings(proof, name, found, seen):
 
 
 def stops(proof):
+    """Yield rows: the longest time from the emergency input's edge to the last step in µs, and how many of HALTS positions are wrong."""
     what = _("emergency input and position")
     halting = [item for item in proof.raw.get("inputs", ()) if item.get("halt")]
     if not halting or proof.raw["drive"]["kind"] != "step_dir":

@@ -45,6 +45,7 @@ class Proof:
             yield _(title), self._part(title, part, pins_wanted)
 
     def _part(self, title, part, pins_wanted):
+        """Yield the rows of one part, or one row if it is left out or fails. A silent board leaves out all parts behind."""
         if pins_wanted and not self.drive_pins:
             yield Row(part.__name__, _(title), _("no pins are driven"), verdict=LEFT_OUT)
             return

@@ -18,6 +18,7 @@ COLOURS = {BETTER: "green", KEPT: "", WORSE: "bold red"}
 
 
 def report_table(rows, header):
+    """Return a rich Table of the rows: row, found, promised and verdict."""
     made = Table(title=header, title_justify="left", box=None, pad_edge=False, title_style="bold")
     for name in (_("row"), _("found"), _("promised"), ""):
         made.add_column(name, overflow="fold")
@@ -38,6 +39,7 @@ def summary_sentences(rows):
 
 
 def print_report(rows, header, file=None):
+    """Print the table and the summary to the terminal, or to `file`, 110 letters wide."""
     console = Console(file=file, width=110 if file else None)
     console.print(report_table(rows, header))
     for sentence in summary_sentences(rows):

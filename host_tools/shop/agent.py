@@ -210,6 +210,7 @@ class Agent:
         return _("no board answers at {}: use the emergency stop", ", ".join(silent)) if silent or not boards else ""
 
     def _watch_port(self, board, fd, opened):
+        """Watch the file descriptor of a board's port from now on, or no longer."""
         board.note_port(opened)
         if opened:
             self._selector.register(fd, selectors.EVENT_READ, board)

@@ -62,6 +62,7 @@ def complain_of_errors(handler):
 
     @functools.wraps(handler)
     def handle_safely(self, *arguments):
+        """Return the handler's result; hand an exception to complain() and return None."""
         try:
             return handler(self, *arguments)
         except Exception as error:

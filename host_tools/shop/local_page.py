@@ -52,6 +52,7 @@ def make_app(key, machines, do, stop):
 
     @app.after_request
     async def add_headers(request, response):
+        """Add the page's own headers and those of the guard to a response."""
         response.headers.update(HEADERS)
         for line in guard.headers().decode().splitlines():
             name, _, value = line.partition(": ")
@@ -112,6 +113,7 @@ def serve(port, key, machines, do, stop):
             await server.serve_forever()
 
     def run():
+        """Serve the page in this thread until the task is cancelled, then close the loop."""
         task[0] = loop.create_task(listen())
         try:
             loop.run_until_complete(task[0])

@@ -79,6 +79,7 @@ class Shop:
 
         @self.server.app.get("/job/<job_id>")
         async def send_program(request, job_id):
+            """Return a job's file as text: 404 without such a job, 503 with the cause if the table of jobs fails."""
             try:
                 job = book.job_by_id(job_id)
                 data = job and book.file_data(job.sha)
@@ -218,6 +219,7 @@ class Shop:
         ]  # fmt: skip
 
     async def _push_state(self):
+        """Send the state to all pages; hand an exception to complain()."""
         try:
             await self.server.push_state(clock_ms())
         except Exception as error:  # a machine may send anything: keep STOP working

@@ -431,6 +431,7 @@ def _is_order(order):
 
 
 def _lines_of(data):
+    """Return the lines of a job's bytes, as gcode_file.read() has them."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "job.gcode"
         path.write_bytes(data)

@@ -76,6 +76,7 @@ class FreezingPlayer(Player):
         return not self.frozen and Player.busy(self)
 
     def run(self, until):
+        """Play word by word up to tick `until`; ask `due` after each, and freeze if it says so."""
         while self.now < until:
             plays = self._playing and not self.frozen and self._played != self._ring.head
             Player.run(self, min(until, max(self._next, self.now) + 1) if plays else until)
@@ -125,6 +126,7 @@ class Replay(Machine):
     # --- where the board stood
 
     def _restore_state(self, snapshot):
+        """Set the board to the snapshot: position, backlash, homed, alarm and the modal state. A snapshot of the start changes nothing."""
         if snapshot.rows == 0 and snapshot.taken == 0 and snapshot.added == 0:
             return  # the board had just started, as this one
         self.cycle()
@@ -147,6 +149,8 @@ class Replay(Machine):
             self._restore_gcode(gcode, snapshot)
 
     def _restore_gcode(self, gcode, snapshot):
+        """Set the parser's modal state, position and offsets from the snapshot's words; plain lines that followed have newer ones of the fast
+        parser."""
         gcode.leave_batch()
         fast, slow = snapshot.modal[:FAST], snapshot.modal[FAST:]
         axes = gcode.axes
@@ -180,12 +184,14 @@ class Replay(Machine):
             halt()
 
         def note_drop():
+            """Drop the queue, then compare the stop with the record."""
             drop()
             self._held = False
             self._pass_stop(HALTED if self._aborts else DROPPED)
             self._aborts = False
 
         def note_hold(on):
+            """Hold or go on. While stops are ahead, a hold waits for the recorded one."""
             if self.stops and on:
                 self._held = True
                 return
@@ -199,6 +205,7 @@ class Replay(Machine):
         self._player.due = self._must_freeze
 
     def _must_freeze(self):
+        """Return True if position and blocks played are those of the next recorded stop."""
         if not self.stops:
             return False
         row = self.stops[0]
@@ -310,6 +317,7 @@ class Replay(Machine):
         return None
 
     def _carry_out(self, row):
+        """Carry out a recorded change of inputs, or a recorded order as its real-time byte or directly."""
         self._clock_ms = min(self._clock_ms, row.ms - self.now_ms()) if row.kind in (INPUTS, ORDER) else self._clock_ms
         if row.kind == INPUTS:
             for name, active in row.levels.items():
@@ -374,6 +382,7 @@ class Replay(Machine):
     # --- what is seen
 
     def _note_events(self, state, logged):
+        """Add a changed state, and a new entry of the log, to `events` with the board's ms."""
         record = self._record
         if record.state != state:
             self.events.append((self._board_ms(), record.state))

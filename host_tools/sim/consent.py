@@ -82,6 +82,7 @@ class GuestLine:
         self.name = line.name
 
     def read(self):
+        """Return the bytes that may go to the board: all from an admitted client, else status requests, resets and the lines that anyone may send."""
         data = self._line.read()
         if self._line.clients != self._client:
             self._client = self._line.clients
@@ -131,6 +132,7 @@ class GuestLine:
         return out
 
     def write(self, data):
+        """Send the board's bytes to the client, and count its answers to the lines that passed."""
         self._line.write(data)
         if self._may_pass():
             return

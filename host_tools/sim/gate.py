@@ -58,6 +58,8 @@ class Gate:
         return bool(self._held)
 
     def note_answer(self, said):
+        """Note the board's answer: an "ok", or any other answer asked for that is no error, opens the gate for good; each "error:" counts as
+        refusal."""
         if self._open or not said:
             return
         refused = said.count(b"error:")

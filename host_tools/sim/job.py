@@ -132,6 +132,7 @@ class VirtualJob:
         self.track.begin(tick, place)
 
     def add_note(self, kind, number, code, text):
+        """Add a note to the errors, pauses, probes or skipped lines of the job, at most MOST_NOTES each; errors are also counted."""
         text = text.decode()
         if kind in (job_runner.NOTE_REFUSED, job_runner.NOTE_ALARM):
             self.error_count += 1
@@ -154,6 +155,7 @@ class VirtualJob:
     # --- the firmware in this process
 
     def _in_process(self):
+        """Build the runner in this process, with compiled kernels. Raises Failure if the start fails."""
         use_compiled()
         try:
             self._runner = job_runner.Runner(self._setup[0], self, due_of_array, *self._setup[1:])
@@ -163,6 +165,7 @@ class VirtualJob:
     # --- the firmware under MicroPython
 
     def _start_process(self, command):
+        """Start the runner in MicroPython (`command`), give it the setup, and wait until it begins. Ends it again at any error."""
         from host_tools.build.unix_compiled import firmware_for
 
         folder, arguments = firmware_for(tuple(command), job_runner.__file__)
@@ -184,6 +187,7 @@ class VirtualJob:
         trouble = []
 
         def send():
+            """Send the lines to the process in blocks, each behind its length in bytes; at an error of this side kill the process."""
             try:
                 with self._process.stdin as stream:
                     for block in _job_blocks(lines):
@@ -235,6 +239,7 @@ class VirtualJob:
         return Failure("{}, {}", self.origin(line), why) if line else why
 
     def _end_process(self):
+        """Kill the process and close its pipes."""
         process = self._process
         process.kill()
         process.wait()

@@ -342,6 +342,7 @@ class Runner:
         self._line.incoming += b"~"
 
     def _read_answers(self):
+        """Read the answers of the virtual board; an "ok" or an error ends the oldest line under way."""
         data = self._line.outgoing
         self._line.outgoing = b""
         for said in data.decode().split("\r\n"):
@@ -356,6 +357,7 @@ class Runner:
                 self._note_alarm(int(said[6:]))
 
     def _note_alarm(self, alarm):
+        """Note an alarm and unlock with $X. Raises Failed if the alarm wants a reset."""
         from passo import error_texts, errors
 
         number, line = self._under_way[0] if self._under_way else (0, b"")
@@ -403,6 +405,7 @@ def _lines_of(stream):
 
 
 def main():
+    """Run a job from stdin and write frames to stdout: step words, notes, then END or FAILED with the cause."""
     frames = Frames(sys.stdout.buffer)
     jobs = sys.stdin.buffer
     board, changes, zero, start = eval(jobs.readline().decode())

@@ -34,6 +34,7 @@ class _Slots(FileSlots):
     """Files of the settings. Prints the reason if they cannot be saved, beside the firmware's error."""
 
     def write(self, slot, data):
+        """Write a slot's file. Prints the cause of an OSError and raises it again."""
         try:
             FileSlots.write(self, slot, data)
         except OSError as error:
@@ -107,6 +108,7 @@ class Machine:
         self._pass_time(app.controller.busy(), homing)
 
     def _pass_time(self, busy, homing):
+        """Let a cycle's time pass on the port. At rest the trace leaves this time out, unless `idle` is to be traced."""
         port = self.port
         if self._idle or not self.trace or port.pending(busy):
             port.wait(busy, homing)

@@ -47,6 +47,7 @@ def read_trace(path):
 
 
 def _parse_row(path, line, fields):
+    """Return the Row of a line's fields: time in µs, x and y in steps, tool. Raises Failure with path and line."""
     try:
         t_us, x, y, _, _, tool = fields
         return Row(float(t_us), int(x), int(y), int(tool))

@@ -67,6 +67,7 @@ class Pages:
             self._left -= count
 
     def _program_byte(self, at, byte):
+        """Program a byte. A power cut tears it: only some of its bits go to 0, and PowerCut is raised."""
         try:
             self.spend_power()
         except PowerCut:
@@ -75,6 +76,7 @@ class Pages:
         self.data[at] = byte
 
     def _save_file(self):
+        """Write the pages to their file, if there is one, by way of a second file. Raises Failure."""
         if self._path is not None:
             fresh = self._path.with_suffix(".new")  # a process killed here leaves the old file or the new one
             try:

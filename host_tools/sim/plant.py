@@ -89,6 +89,8 @@ class Plant:
         self._tool_mask = 0
 
     def _build_carriages(self, start, play):
+        """Build a carriage for each axis, at `start` (steps), else at random, or in the middle if it cannot home. Raises ValueError if `start` does
+        not fit."""
         axes = self._board["axes"]
         if start is not None and len(start) != len(axes):
             raise ValueError(f"start: {len(axes)} positions are wanted, one an axis, not {len(start)}")
@@ -124,6 +126,7 @@ class Plant:
         return self.second.position - self.carriages[self._gantry_axis].position
 
     def _build_barriers(self, bounce_ms):
+        """Build the sensors of homing, the gantry's second one, and the limit switches MARGIN_MM / 2 inside the hard ends."""
         homing = self._board.get("homing") or {}
         names = [axis["name"] for axis in self._board["axes"]]
         self.barriers = {}
@@ -216,6 +219,7 @@ class Plant:
         )
 
     def _attach_second(self, bit, inverted):
+        """Make the decoder of the gantry's second motor, from the pins of its step and direction."""
         name = self.second.name
         step, direction = bit[name + "_step"], bit[name + "_dir"]
         reversed_axis = self._board["axes"][self._gantry_axis].get("reversed", False)
@@ -225,6 +229,7 @@ class Plant:
         self._second_mask = self._second_decoder.mask
 
     def _move_second(self, tick, levels, changed):
+        """Move the gantry's second side by the steps of an edge, and switch its sensor if it crosses it."""
         steps = self._second_decoder.decode(tick, levels, changed)
         barrier = self._watching_second
         if steps and self._move_carriage(tick, self.second, steps) and barrier is not None:
@@ -274,6 +279,7 @@ class Plant:
         return True
 
     def _cross_barriers(self, tick, barriers, at):
+        """Switch the sensors whose edge the carriage has crossed on its way to position `at` (steps)."""
         for barrier in barriers:
             if barrier is not None and (at <= barrier.last) != barrier.below:
                 barrier.cross_edge(tick)
@@ -368,6 +374,7 @@ class Plant:
         self._plan_next()
 
     def _report_input(self, tick, name):
+        """Report an input's level, with its faults and noise, to the record of pins and the listeners."""
         level = self._levels[name]
         level = self._faults.faulty_level(name, level, tick)
         if name in self.noise:
@@ -417,6 +424,7 @@ class Plant:
         return self._actives[barrier.name] ^ (not barrier.is_active(tick))
 
     def _show_barrier(self, tick, barrier):
+        """Report a sensor's level if it has changed, and plan the next event."""
         level = self._barrier_level(barrier, tick)
         if level != self._levels[barrier.name]:
             self._levels[barrier.name] = level

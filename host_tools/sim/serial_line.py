@@ -63,6 +63,7 @@ class _Line:
         self._told = False  # that bytes are lost
 
     def write(self, data):
+        """Send bytes, and keep those that the client does not take: the last UNSENT_BYTES, with one warning."""
         self._unsent += bytes(data)
         self._send_unsent()
         if len(self._unsent) > UNSENT_BYTES:
@@ -108,6 +109,7 @@ class PtyLine(_Line):
                 raise
 
     def read(self):
+        """Return the bytes that have come, at most READ_BYTES, b"" if none; send bytes that still wait."""
         try:
             data = os.read(self._fd, READ_BYTES)
             self._open = True
@@ -128,6 +130,7 @@ class PtyLine(_Line):
         return [self._fd] if self._open else []  # a closed pty is always ready, with nothing to read
 
     def close(self):
+        """Remove the link if it is still this line's, free its lock, and close the pty."""
         if self._link:
             if self._link.is_symlink() and os.readlink(self._link) == self._path:
                 self._link.unlink()
@@ -150,6 +153,7 @@ class PtyLine(_Line):
         os.close(slave)
 
     def _make_link(self):
+        """Make the link to the pty, locked, and a process that removes it after this one's end. Raises Failure."""
         try:
             self._lock = Lock(self._link.with_name(f".{self._link.name}.lock"))
             if not self._lock.taken:
@@ -183,6 +187,7 @@ class Lock:
             os.close(self._fd)
 
     def release_lock(self):
+        """Remove the lock file and free the lock, if it is taken."""
         if self.taken:
             self.path.unlink(missing_ok=True)
             os.close(self._fd)
@@ -247,6 +252,7 @@ class TcpLine(_Line):
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"
 
     def read(self):
+        """Return the bytes that have come, b"" if none; a new client replaces the present one with its first bytes."""
         self._accept_client()
         data = b""
         if self._coming:
@@ -273,6 +279,7 @@ class TcpLine(_Line):
         return [self._server] + [client.socket for client in (self._client, self._coming) if client]
 
     def close(self):
+        """Close the clients' sockets and the server."""
         for client in (self._client, self._coming):
             if client:
                 client.socket.close()
@@ -280,6 +287,7 @@ class TcpLine(_Line):
         self._server.close()
 
     def _accept_client(self):
+        """Accept a new client, if there is one; it waits for its first bytes while another is served."""
         try:
             coming = _Client(self._server.accept()[0])
         except OSError:  # nobody is there, or gone already

@@ -44,6 +44,7 @@ class Slipping:
         self._told = [None] * len(names)  # the part of a full step that SG_RESULT is of
 
     def _set_hard_stop(self, number, high, pull_off):
+        """Put an axis's hard end `pull_off` steps beyond its origin, and the carriage inside it."""
         carriage = self._plant.carriages[number]
         if high:
             carriage.high = pull_off
@@ -94,6 +95,7 @@ class Slipping:
         return wanted
 
     def _move_carriages(self, tick):
+        """Move the carriages to the rotors' positions, held at the hard ends. Returns True if one has moved."""
         moved = False
         for axis, place in enumerate(self._free_positions()):
             carriage = self._plant.carriages[axis]
@@ -109,6 +111,7 @@ class Slipping:
         return [0 if self._belt and number < 2 and abs(lag) < 2 else lag for number, lag in enumerate(lags)]  # half a step of the belt
 
     def _measure_load(self, tick, motor, lag):
+        """Measure SG_RESULT anew, once a full step: in proportion to the lag (microsteps), with tremble and spikes; set the DIAG pin."""
         full = self._full[motor]
         driver = self._drivers[self._names[motor]]
         part = self._fields[motor] // full

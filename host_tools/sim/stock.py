@@ -14,6 +14,7 @@ RADIUS_MM = 3.0
 
 
 def _in_box(solid, x, y, z, radius):
+    """Return True if a tool of `radius` mm at x, y, z touches a box, and none of its round holes has room for the tool."""
     x0, y0, z0, x1, y1, z1, holes = solid
     if not z0 <= z <= z1:
         return False
@@ -42,6 +43,7 @@ class Stock:
         return len(board["axes"]) >= 3 and "probe" in [item["name"] for item in board.get("inputs", ())]
 
     def touches(self, position):
+        """Return True if the tool at a position (steps from machine zero) touches a solid."""
         z = position[2] * self._mm[2]
         if z > self._top:
             return False

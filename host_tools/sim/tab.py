@@ -88,6 +88,7 @@ class Tab:
         self._send_hello()
 
     def _make_machine(self, protocol):
+        """Return the page's machine for a protocol: plotter, else grbl with teach-in."""
         if protocol == "plotter":
             from host_tools.page.plotter_machine import PlotterMachine
 
@@ -107,6 +108,7 @@ class Tab:
         self._send(json.dumps(event))
 
     def _send_hello(self):
+        """Send the page the messages "hello" (abilities, axes, language) and "table" (steps a mm, ends of travel in steps)."""
         machine = self.machine
         told = {"t": "hello", "can": list(machine.can) + list(self.api.makes), "axes": machine.axes, "language": machine.language, "travel": machine.travel}
         told["machines"] = list(self._boards)
@@ -162,6 +164,7 @@ class Tab:
         return FINE_TICKS if fine else COARSE_TICKS
 
     def _push_state(self, now):
+        """Send the page its state, each PUSH_MS if it is due, and the plant's position, trail and faults each _SHOW_MS."""
         if (now - self._pushed_ms) & COUNT_MASK >= PUSH_MS:
             self._pushed_ms = now
             self._beats += 1

@@ -115,6 +115,7 @@ class SimDrivers:
         return replies
 
     def _answer_telegram(self, telegram):
+        """Return the replies to a telegram, [bytes]: two different ones become their bitwise AND, and the next `garbles` have a bit flipped."""
         heard = [motor.take_telegram(telegram) for motor in self._motors.values() if not motor.dead and motor.address == telegram[1]]
         found = [reply for reply in heard if reply]
         if len(found) > 1:  # two speak at once

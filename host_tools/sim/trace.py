@@ -80,6 +80,7 @@ class Trace:
         return [(float(line[0]), *map(int, line[1:])) for line in lines]
 
     def close(self):
+        """Write the rows that wait, and close the file; a second call does nothing."""
         if self._file is not None:
             self.flush()
             self._file.close()

@@ -154,6 +154,7 @@ class Track:
     # --- the path, each tenth of a millimetre
 
     def _draw_path(self, positions, lowered):
+        """Add the points of a path to the picture: `positions` (n × axes, steps) and `lowered` (n), cut where the tool is lowered or raised."""
         ends = [*(np.flatnonzero(lowered[1:] != lowered[:-1]) + 1).tolist(), len(positions)]
         columns = [memoryview(np.ascontiguousarray(positions[:, axis])) for axis in range(self._axes)]  # quicker than arrays, one by one
         found = []

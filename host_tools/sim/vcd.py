@@ -46,6 +46,7 @@ class VcdTap:
         self._plant.attach(tick, names, levels)
 
     def edges(self, tick, levels, changed):
+        """Pass edges on to the plant, and write the changed pins to the file."""
         # The plant first: chatter that was due before this edge goes down before it.
         self._pass_edges(tick, levels, changed)
         for mask, wire in self._pins:

@@ -67,6 +67,7 @@ class WebSocketLine:
     # --- for the server
 
     def open(self, connection, now_ms):
+        """Take a new connection, and drop the one before with a message. Returns b"": no bytes to send."""
         if self._connection:
             self._server.send(self._connection, frame(TEXT, b"[MSG:Another program has taken this connection]\r\n"))
             self._server.drop(self._connection)

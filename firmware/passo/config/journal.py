@@ -99,6 +99,7 @@ class FileSlots:
             return b""
 
     def write(self, slot, data):
+        """Write a slot's file whole and sync the file system. Raises OSError."""
         name = self._slot_path(slot)
         try:
             with self._room.open(name, "wb") as file:

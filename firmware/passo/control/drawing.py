@@ -35,6 +35,7 @@ class Drawing(Feature):
         return self._speed or self._machine.settings.value(table.DRAWING_SPEED)
 
     def handlers(self):
+        """Return {kind of command: method} of this feature."""
         return {
             commands.SPEED: self._set_speed,
             commands.POINT: self._store_point,

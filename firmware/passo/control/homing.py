@@ -116,6 +116,7 @@ class Homing(Feature):
         return 0
 
     def poll_command(self, now_ms):
+        """Carry HOME on, if it is under way: lift the tool first, then search, and end with success or the number of an error."""
         machine = self._machine
         if machine.command.kind != commands.HOME:
             return

@@ -15,6 +15,7 @@ class Pauses(Feature):
         self._ready_ms = None  # before that spindle and coolant, just switched on again, are not there yet
 
     def handlers(self):
+        """Return {kind of command: method} of this feature."""
         return {
             commands.HOLD: self._feed_hold,
             commands.RESUME: self._resume_motion,

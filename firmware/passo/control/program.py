@@ -41,6 +41,7 @@ class Program(LineBatches):
         LineBatches.__init__(self, board, machine, queue)
 
     def handlers(self):
+        """Return {kind of command: method} of this feature."""
         return {
             commands.LINE: self._accept_motion,
             commands.ARC: self._accept_motion,

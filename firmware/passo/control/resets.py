@@ -8,6 +8,7 @@ _STANDS = (commands.DWELL, commands.SPINDLE)  # while one of these takes its tim
 
 class Resets(Feature):
     def handlers(self):
+        """Return {kind of command: method} of this feature."""
         return {
             commands.RESET: self._reset_machine,
             commands.UNLOCK: self._unlock_machine,

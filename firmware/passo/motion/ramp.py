@@ -45,6 +45,7 @@ class Ramp(Steady):
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation
+        """Begin a block: choose the cut (steady without acceleration, S-curve, else linear) and write its start into `state`."""
         rows = block.rows
         at = block.at
         gain = rows[at + ROW_GAIN]

@@ -325,6 +325,7 @@ class ChipPort:
             feeder.fill(played, lead_ticks)  # lead and lateness count from where it stood
 
     def trip(self, item):  # ISR: no allocation
+        """Halt the player, set the tool's power to 0 and keep `item` as the cause. Called in an interrupt, or by a poll."""
         self._trip = item
         if self._player is not None:
             self._player.hold(True)

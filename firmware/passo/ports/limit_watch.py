@@ -34,6 +34,7 @@ class LimitWatch(Latch):
 
     @micropython.native
     def _edge(self, pin):  # ISR: no allocation
+        """Trip if the switch is active for `filter_us`, once while armed. Called in the pin's interrupt."""
         self.hold()
         level = self.level
         if self.armed and pin.value() == level:

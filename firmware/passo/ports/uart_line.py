@@ -71,6 +71,7 @@ class UartLine:
         return self._said
 
     def _read_kept(self):
+        """Return the next bytes kept around a flash write, at most _MOST, in the order that they came."""
         if self._ahead:
             data = self._ahead[:_MOST]
             self._ahead = self._ahead[_MOST:]

@@ -108,6 +108,7 @@ class Player:
         self._put(tick, self._levels & ~self._layout.pulse_mask)
 
     def _play(self, until):
+        """Play words of the ring up to tick `until`: give edges to the world, with pulses falling pulse_ticks later; end if it stops the player."""
         # The host spends most of its time here: everything is local, and nothing is allocated but the ticks.
         layout = self._layout
         bits = layout.bits

@@ -48,6 +48,7 @@ class Independent(Feature):
         self._from = self._queue.position()
 
     def handlers(self):
+        """Return {kind of command: method} of this feature."""
         return {
             commands.RUN: self._begin_run,
             commands.REST: self._stop_axes,

@@ -159,6 +159,7 @@ class InterlockWatch(Feature):
                 self._interlock.grant_outputs(mask)
 
     def report(self, report):
+        """Add to a report: the glitches of the inputs, and the names of inputs that forbid outputs now (None: none)."""
         report["glitches"] = sum(self._interlock.glitches) or None
         interlock = self._interlock
         mask = interlock.states & interlock.rise | ~interlock.states & interlock.fall

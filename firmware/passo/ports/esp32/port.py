@@ -41,6 +41,7 @@ class Port(ChipPort):
         pin.irq(handler, edge)
 
     def player(self, ring, layout, board):
+        """Build the player, which reads `ring`, and return it: that of the output bank if it pumps words, else TimerPlayer."""
         pulse_ticks, least = word_times(board)
         pins = word_pins(board)
         invert = inversion_mask(board, layout)
@@ -57,6 +58,7 @@ class Port(ChipPort):
         return True
 
     def _feed_and_look(self, timer):
+        """Halt if a halting input is active, make words, and pump them to the bank. Called by the timer; an error in the pump also halts."""
         for item in self._halting:  # an edge is forgotten where too many callbacks are waiting
             if self._trip is None and item.active():
                 self.trip(item)

@@ -60,6 +60,7 @@ def set_mhz(mhz):
 
 
 def _raise_voltage():
+    """Raise the core voltage to 1.15 V and wait until the regulator is steady. Raises RuntimeError if it is not after _TRIES looks."""
     before = mem32[chip.REGULATOR]
     if before & _VSEL < _RAISED << 4:
         mem32[chip.REGULATOR] = before & ~_VSEL | _RAISED << 4

@@ -125,6 +125,7 @@ class Console:
 
     @micropython.viper
     def any(self, ready) -> bool:
+        """Return True if bytes wait in the ring, after the USB task has had its chance to bring some."""
         if int(self._come()) == 0:
             if self._fifo:
                 sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
@@ -213,6 +214,7 @@ class Console:
 
     @micropython.viper
     def _take_ring(self, data, most: int) -> int:
+        """Move up to `most` bytes from the ring to `data`. Returns their count."""
         at = 0x20000000 + int(self._at)
         record = ptr16(at)
         ring = ptr8(ptr32(at)[_ADDRESS])

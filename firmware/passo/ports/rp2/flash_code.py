@@ -180,6 +180,7 @@ class FlashCode:
     # --- inside
 
     def _prepare(self):
+        """Find the mapped file system, and make blocks, buffers and the file system's reader. Raises Unknown on other chips or layouts."""
         if "RP2040" not in sys.implementation._machine:
             raise Unknown("no RP2040")
         flash = rp2.Flash()

@@ -118,6 +118,7 @@ class Files:
         self._list(b"passo")
 
     def _list(self, folder):  # as bytes: for each new str the interpreter looks through all names, 0.1 ms
+        """Keep the names of a folder's files, and of all folders in it, as bytes with / behind each."""
         names = b"/"
         for entry in self._real.ilistdir(folder):
             if entry[1] == _FOLDER:
@@ -140,6 +141,7 @@ class Files:
         return getattr(self._real, name)
 
     def open(self, path, mode):
+        """Open a file: a known module through FlashCode, any other as the file system does. Raises KeyboardInterrupt once after a stop."""
         if self._stopped:
             self._stopped = False
             raise KeyboardInterrupt
@@ -156,6 +158,7 @@ class Files:
             return self._stat(path)
 
     def _stat(self, path):
+        """Return os.stat()'s tuple of a path, from the listed names if they have it. Raises OSError for other paths in passo/."""
         name = path.encode()
         if self._has(name):
             return (_FILE,) + (0,) * 9

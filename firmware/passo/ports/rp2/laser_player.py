@@ -56,6 +56,7 @@ class LaserPlayer(PioPlayer):
         PioPlayer.__init__(self, ring, *rest)
 
     def _set_up_dma(self, channel_a, after_a=None):
+        """Set up the DMA channels of PioPlayer, and channel D behind A: it copies a duty to the PWM's compare register."""
         d = self._last = rp2.DMA()
         PioPlayer._set_up_dma(self, channel_a, d.channel)
         ctrl = d.pack_ctrl(

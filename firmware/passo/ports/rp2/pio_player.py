@@ -236,6 +236,7 @@ def _busy(state: ptr32, head: int) -> bool:
 
 @micropython.viper
 def _halt(state: ptr32):
+    """Stop at once, amid a word: note the words played, drop the tool, let pulses fall after their full length, and end all DMA. The FIFO stays."""
     clock = ptr32(0xE000E010)
     ptr32(state[PIO_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << state[PIO_NUMBER]  # the state machine stands still from here
     begun = clock[SYSTICK_NOW]
@@ -257,6 +258,7 @@ def _halt(state: ptr32):
 
 @micropython.viper
 def _stop(state: ptr32):
+    """Stop behind the word that plays now: note the words played with it, empty the FIFO, and let its ticks run out."""
     if state[PIO_PLAYING] != 1:
         return
     sm = ptr32(state[PIO_MACHINE])
@@ -272,6 +274,7 @@ def _stop(state: ptr32):
 
 @micropython.viper
 def _rest(state: ptr32, value: int):
+    """Stop, and set all pins to the levels `value`."""
     if state[PIO_PLAYING] == 1:
         state[PIO_PLAYED] = int(_count(state))
     state[PIO_PLAYING] = 0

@@ -57,6 +57,7 @@ class Guard:
     # The last edge on a pin comes 20 µs after the input's at worst, 25 are allowed (make bench ARGS=stops).
     @micropython.viper
     def on_edge(self, pin):  # ISR: no allocation
+        """Halt if the input is active: stop the state machine, then trip the port. Called in the pin's interrupt."""
         item = self._item
         mask = int(self._mask)
         inputs = ptr32(0xD0000004)
@@ -128,6 +129,7 @@ class Port(ChipPort):
         pin.irq(handler, edge, hard=True)
 
     def player(self, ring, layout, board):
+        """Build the player, which reads `ring`, mute the pins that the board file mutes, and return it."""
         pins = word_pins(board)
         self._make_player(ring, layout, board, pins)
         muted = mute_mask(board)
@@ -137,6 +139,7 @@ class Port(ChipPort):
         return self._player
 
     def _make_player(self, ring, layout, board, pins):
+        """Watch the halting inputs, and build the TimerPlayer, the LaserPlayer (PWM, small ring) or the PioPlayer."""
         for item in self._halting:
             self.watch(item.pin, Guard(item, self).on_edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
         pulse_ticks, least = word_times(board)

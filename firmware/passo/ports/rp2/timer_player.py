@@ -153,6 +153,7 @@ def _drop(state: ptr32, pulses: int):
 
 @micropython.viper
 def _start(state: ptr32, head: int):
+    """Play the ring's words up to `head`; from a stand, give the state machine the first of them."""
     number = state[TIMER_NUMBER]
     if state[TIMER_HELD]:
         return
@@ -201,6 +202,7 @@ def _halt(state: ptr32):
 
 @micropython.viper
 def _stop(state: ptr32):
+    """Stop behind the word that plays now: empty the FIFO, and let its ticks run out."""
     if state[TIMER_PLAYING] != 1:
         return
     state[TIMER_PLAYING] = 2

@@ -33,6 +33,7 @@ class Capture:
         return before
 
     def end(self):
+        """Stop the DMA and return the count of bytes in `view`."""
         dma = self._dma
         state = disable_irq()
         dma.active(0)

@@ -183,6 +183,7 @@ class TorchPage(PageMachine):
         """Queue the commands one by one, as long as none is refused; then keep scale and preferences."""
 
         def take_answer(error):
+            """Send the next preference, or take all over once the last is set; note an error and end."""
             if error:
                 self.note_result(error)
             elif said[1:]:
