@@ -29,6 +29,8 @@ def _makers_of(uf2):
 
 
 def _measure_figures(mhz, waiting, flashed):
+    """Yield (row's text, figure) of one firmware at a clock of `mhz` MHz: lines and dots a second, and the times of answers in ms. `waiting`,
+    `flashed`: the functions of _makers_of()."""
     machine = waiting(*gcode.fast_board((0.2,), clock_mhz=mhz, mm_s=500, mm_s2=300_000))
     yield "lines of 0.2 mm a second, from memory", round(on_a_copy(lambda: gcode.run_lines(machine, 0.2, 490, GCODE_LINES))["lines_s"])
     yield "lines of 0.2 mm a second, over USB", round(on_a_copy(lambda: gcode.lines_over(machine, "pc", 0.2, 490, GCODE_LINES)))

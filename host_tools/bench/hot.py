@@ -75,6 +75,8 @@ def move_and_hold(machine):
 
 
 def main():
+    """Print the names of the hottest sections, one a line. They come from four measurements on the emulated Pico: lines, dots, first steps and holds,
+    and `?` in motion."""
     uf2 = find_frozen("rp2040")
     router = gcode.fast_board((0.2,), mm_s=500, mm_s2=300_000)
     laser = gcode.fast_board((0.1,), laser=True)

@@ -147,6 +147,8 @@ def _run_soaks(chunks, sums):
 
 
 def _run_soak(chunk):
+    """Run a script, (program, script, first, last), and print the failures that it prints; return its last line, the totals. Raises Failure if the
+    script writes to stderr, or prints nothing."""
     done = subprocess.run(_script_command(*chunk), env=_script_environment(), capture_output=True, text=True)
     if done.stderr or not done.stdout:
         raise Failure(f"{chunk[1]} under {chunk[0]}: {(done.stderr or 'no answer').strip().splitlines()[-1]}")
@@ -160,6 +162,8 @@ def _on_the_pico(part):
     """Return a function that measures the part without and with the flash cache, in two processes at the same time."""
 
     def measure_part():
+        """Return (header, rows) with and without the flash cache, joined; of the parts of ONLY_CHARGED the table with misses alone. A miss costs
+        PASSO_FLASH_MISS cycles."""
         binary.load_emulator()
         os.environ.setdefault("PASSO_UF2", str(binary.find_uf2()))
         miss = int(os.environ.get("PASSO_FLASH_MISS") or FLASH_MISS)
@@ -184,6 +188,7 @@ def _run_apart(part, miss):
 
 
 def _print_raw(part):
+    """Measure a part of the Pico in this process, and print (header, rows) as JSON, each cell as text."""
     from host_tools.bench import frozen, moving, pico, streams, where
 
     header, rows = (pico.PARTS | moving.PARTS | where.PARTS | frozen.PARTS | streams.PARTS)[part]()
@@ -262,6 +267,7 @@ def now_text():
 
 
 def print_table(title, header, rows):
+    """Print a table on the console: the first column to the left, the others to the right."""
     from rich.console import Console
     from rich.table import Column, Table
 
@@ -273,6 +279,8 @@ def print_table(title, header, rows):
 
 
 def main(wanted):
+    """Measure the parts `wanted`, by default all but the LONG ones, and write their tables to DOCUMENT. Raises Failure if there is no bench of a
+    name, and behind the last part if one failed; a part that is Unavailable is reported and left out."""
     wanted = list(wanted)
     if "--elf" in wanted:
         at = wanted.index("--elf")

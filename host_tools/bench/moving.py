@@ -44,6 +44,7 @@ def measure_stops():
 
 
 def _measure_stops(pin):
+    """Return halting.try_halts() of STOPS halts by the input `pin`: 0 to 35 ms after 2 ms of a line, while packets arrive."""
     random = Random(pin)
     boot_rig().wire().feed(traffic.move_packets(60), BAUD)
     halting.set_out(boot_rig(), STOP_STEPS, STOP_HZ, 2000, COLLECT)
@@ -51,6 +52,8 @@ def _measure_stops(pin):
 
 
 def _stops_row(found):
+    """Return a row's figures of halting.try_halts(): trials, words in hand, median and worst µs from the edge to the last step, and the count of
+    halts whose reported position is that of the steps."""
     reactions = [reaction_us for reaction_us, *_ in found]
     exact = sum(reported == counted and any(counted) for _, reported, counted, _ in found)
     held = sum(in_hand for *_, in_hand in found)
@@ -68,6 +71,8 @@ def _in_hand():
 
 
 def _resume_after_halts():
+    """Halt an accelerating line and resume it, RESUMED times, 0 to 35 ms behind its first step; return a bool for each: True if it ends exactly at
+    its target."""
     random = Random(RESUMED)
 
     def is_exact(wait_us):

@@ -47,6 +47,8 @@ def measure_pulses():
 
 
 def _run_pulses(axes, hz):
+    """Step `axes` axes at `hz` steps/s on the PIO player; return {name: figure}: steps, worst edge off its word in ns, words late, error of the rate
+    in ppm, widths of pulses in µs, share of the processor left."""
     machine = boot_rig(axes=max(axes, 3))
     machine.wire().feed(traffic.move_packets(60), BAUD)
     run = machine.play(constant_lines(hz, axes), COLLECT)
@@ -76,6 +78,8 @@ def measure_timer():
 
 
 def _run_timer(axes, khz):
+    """Step `axes` axes at `khz` kHz on the timer-interrupt player; return a row of measure_timer(). Lateness is in µs behind the earliest edge; an
+    edge a period late counts as a word late."""
     run = boot_rig("timer").play(constant_lines(khz * 1000, axes), COLLECT)
     first = min(run.lateness)
     late_us = [(cycles - first) / CYCLES_PER_US for cycles in run.lateness]
@@ -107,6 +111,8 @@ _FIRST = {"plotter": (b"r\0\0\0\0r", b"k"), "grbl": (b"?", b"<")}  # other langu
 
 
 def _boot_stock(board):
+    """Boot a board file on stock MicroPython; return (board, language, ms from reset to the main loop, ms to the first answer, bytes of heap free,
+    bytes of its largest piece, place of the code)."""
     files = dict(firmware_files(board))
     assert files["main.py"].count(_RUN) == 1
     machine = EmulatedMachine(board, dict(files, **{"main.py": files["main.py"].replace(_RUN, _TOLD + _RUN)})).boot()
@@ -121,6 +127,8 @@ def _boot_stock(board):
 
 
 def _boot_frozen(board, uf2):
+    """Boot a board file with Passo's UF2; return (ms from reset to the main loop, ms to the first answer, bytes of heap free, bytes of its largest
+    piece)."""
     machine = frozen_machine(board, uf2).boot()
     console = machine.pico.console
     machine.run_until(lambda: b"code in the UF2" in console.text, slice_us=200)
@@ -160,6 +168,8 @@ def measure_gcode():
 
 
 def _gcode_rows(mhz):
+    """Yield (text, asked, measured, least blocks ahead, words late) of measure_gcode() at a clock of `mhz` MHz: lines and dots a second, and times in
+    ms. A figure that is not measured is ""."""
     machine = lines_of_gcode.fast_router(clock_mhz=mhz, mm_s=500, mm_s2=300_000)
     for length_mm, feed_mm_s in ((0.2, 100), (0.2, 490), (0.75, 187.5)):
         run = on_a_copy(lambda: lines_of_gcode.run_lines(machine, length_mm, feed_mm_s, GCODE_LINES))

@@ -17,6 +17,8 @@ WHAT = {
 
 
 def measure_streams():
+    """Measure lines and dots a second over USB and a UART, at each clock of CLOCKS_MHZ, beside those of MUST; a UART must carry half of them. Returns
+    (header, rows)."""
     table = []
     for at, mhz in enumerate(CLOCKS_MHZ):
         router, laser = rows.fast_router(mhz), rows.fast_laser(mhz)

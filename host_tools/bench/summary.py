@@ -18,6 +18,7 @@ class Tables:
         self._document = document
 
     def rows(self, part):
+        """Return the rows of a part's table as [{column: cell}]. A column's name that comes a second time gets "UF2: " in front."""
         table = re.search(rf"<!-- bench:{part} -->\n(.*?)\n<!-- /bench:{part} -->", self._document, re.DOTALL)[1]
         header, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines())
         names = [name if name not in header[:column] else "UF2: " + name for column, name in enumerate(header)]
@@ -56,6 +57,8 @@ def _rate_text(tables):
 
 
 def _timer_text(tables):
+    """Return the text of the timer's row: words late, and the worst edge in µs at all rates and at 36 kHz, without and with the flash cache."""
+
     def worst(flash, khz=None):
         return max(float(row["µs, worst"]) for row in tables.rows("timer") if row["flash cache"] == flash and khz in (None, row["kHz"]))
 
@@ -86,6 +89,8 @@ def _queries_text(tables):
 
 
 def _uart_text(tables):
+    """Return the text of the UART's row: the least share of the wire in %, points a second at 57 600 and 115 200 baud, and the bytes lost and words
+    late of both."""
     rows = [tables.row("links", f"UART, {baud} baud", "100", "32") for baud in ("57 600", "115 200")]
     share = min(int(row["of the wire"][:-1]) for row in rows)
     counts = [f"{sum(int(row[column]) for row in rows)} {column}" for column in ("bytes lost", "words late")]
@@ -99,6 +104,8 @@ def _usb_points(tables):
 
 
 def _status_text(tables):
+    """Return the text of the row of `?`: 99th percentiles in ms on USB and a UART, at 200 and 125 MHz, amid short lines and longer ones."""
+
     def answers_p99(mhz, stream):
         rows = (tables.row("status", link, mhz, stream) for link in ("USB", "UART, 115 200 baud"))
         return [f"{float(with_cache(row, 'p99')):.1f}" for row in rows]
@@ -124,6 +131,8 @@ def _boot_figures(tables, column, to_text):
 
 
 def _heap_text(tables):
+    """Return the text of the heap's row: kB free on stock MicroPython and with Passo's UF2, of three board files, and the router's largest piece."""
+
     def kilobytes_text(value):
         return f"{value / 1000:.0f}"
 
@@ -136,6 +145,7 @@ def _heap_text(tables):
 
 
 def _ready_text(tables):
+    """Return the text of the row of the first answer: seconds after reset, on stock MicroPython and with Passo's UF2, of three board files."""
     stock, uf2 = (_boot_figures(tables, column, lambda value: f"{value / 1000:.1f}") for column in ("first answer, ms after reset", "first answer"))
     return (
         f"{stock[0]} s plotter, {stock[1]} s router, {stock[2]} s mill_2004, the first time: with a journal 0.3 s of it, because its blocks are erased. "

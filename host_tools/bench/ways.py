@@ -51,6 +51,8 @@ class Passed:
         sys.setprofile(None)
 
     def _on_event(self, frame, event, _):
+        """Note each call of a function of the firmware, as sys.setprofile() reports it. A kernel counts once, without the functions that it calls;
+        comprehensions and lambdas do not count."""
         code = frame.f_code
         if event not in ("call", "return") or not code.co_filename.startswith(str(FIRMWARE)):
             return
@@ -85,6 +87,7 @@ def _unlock_machine(machine):
 
 
 def _count_until(machine, done):
+    """Run the main loop until `done()`; return count_passed() of it. Raises TimeoutError after _CYCLES cycles."""
     with Passed() as passed:
         for _ in range(_CYCLES):
             machine.app.poll()
@@ -110,6 +113,7 @@ def _count_answer(text, end, *before):
 
 
 def _amid_motion(text, done):
+    """Send a text 0.5 s after the start of a line of 50 mm; return the count until `done(machine)`."""
     machine = _make_machine()
     machine.send(b"G91G1X50F1000\n")
     machine.run_ms(500)
@@ -171,6 +175,7 @@ class _Browser:
         self.machine.run_ms(1500)
 
     def has_received(self, text):
+        """Read the bytes that have arrived, without waiting; return True if `text` has come since the last order."""
         try:
             self.heard += self.socket.recv(65_536)
         except BlockingIOError:
@@ -178,6 +183,7 @@ class _Browser:
         return text in self.heard
 
     def send_order(self, **order):
+        """Send an order over the page's WebSocket in a masked frame (mask 0), with its number and its proof by the key."""
         self._count += 1
         body = json.dumps(order)
         text = f"{self._count}.{self._session.proof(str(self._count), body)}.{body}".encode()
@@ -186,6 +192,8 @@ class _Browser:
 
 
 def _press_key(again=False):
+    """Return the count from a jog of 1 mm in X by the page's key until it is answered and a word of it is in the ring. `again`: another jog has been
+    carried out before."""
     browser = _Browser()
     machine = browser.machine
     if again:

@@ -59,6 +59,8 @@ def measure_where():
 
 
 def main(elf="", count="40"):
+    """Print the µs of a line and of a dot by functions, and by kernels in RAM: the `count` dearest of each. `elf`: path of the ELF file, by default
+    that of PASSO_ELF."""
     os.environ["PASSO_ELF"] = elf or os.environ.get("PASSO_ELF", "")
     names = load_symbols()
     for what, lines, spent in measure_parts():

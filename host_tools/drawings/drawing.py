@@ -242,6 +242,7 @@ def _select_layers(page, path, options):
 
 
 def _why_empty(page):
+    """Return a text for people: the reason why nothing of a page can be drawn."""
     reasons = [_count_text(page.left_out)] if page.left_out else []
     reasons += _unseen_of(page)
     if reasons:
@@ -250,6 +251,7 @@ def _why_empty(page):
 
 
 def _unseen_of(page):
+    """Yield a sentence for shapes that nobody sees, and one for white backgrounds, if the page left any out."""
     if page.unseen:
         yield _("{} × a shape that nobody sees (no stroke, and no fill or one without area; width or opacity 0) is left out; --unseen draws it", page.unseen)
     if page.backgrounds:
@@ -261,6 +263,7 @@ def _count_text(left_out):
 
 
 def _notes_of(page, options):
+    """Yield sentences about a page for people: the reader's notes, things left out or covered, and the mm of lines outside the page, if above 0.1."""
     yield from page.notes
     if page.left_out:
         yield _("left out, or not as it should be: {}", _count_text(page.left_out))

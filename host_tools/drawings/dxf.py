@@ -103,6 +103,8 @@ class DxfFile:
         self.size_px = self._size_px((left, bottom, right, top))
 
     def _mend_document(self):
+        """Mend the document's entities (dxf_entities.py), and check their count. Raises Failure if blocks multiply to too many, or numbers cannot be
+        used."""
         from host_tools.drawings import dxf_entities
 
         try:
@@ -145,6 +147,8 @@ class DxfFile:
         return page
 
     def _draw_document(self, deviation, fills):
+        """Draw the model space into a new Backend, and return it. `deviation`: of curves from their chords, in the file's units; `fills`: with areas.
+        Raises Failure if a number cannot be drawn."""
         from ezdxf.addons.drawing.config import Configuration, HatchPolicy, ImagePolicy, TextPolicy
 
         from host_tools.drawings.dxf_backend import Backend, Frontend

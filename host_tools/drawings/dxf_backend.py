@@ -45,6 +45,7 @@ class Frontend(BaseFrontend):
         self._draw_text(super().draw_mtext_entity, entity, properties)
 
     def _draw_text(self, draw, entity, properties):
+        """Draw a text by ezdxf's `draw`, and name a font that stands in; a text of more than LONGEST_TEXT letters is left out and counted."""
         if len(entity.dxf.get("text", "")) > LONGEST_TEXT:
             self.pipeline.backend.left_out[TOO_LONG] += 1
         else:
@@ -97,6 +98,8 @@ class Backend(Base):
         self._background = None
 
     def _add_ink(self, properties, lines, areas=()):
+        """Add lines and areas, in the file's units, to the inks of a layer. Lines of one point are dropped; lines with a number that is not finite go
+        to `left_out`."""
         given = [line for line in lines if len(line) > 1]
         lines = [line for line in given if numpy.isfinite(line).all()]
         self.count += len(given) + len(areas)

@@ -82,6 +82,8 @@ def _with_knot(rows, knots, knot, side, degree):
 
 
 def _remove_frame(polyline):
+    """Remove the vertices of the frame of a spline polyline or mesh, in place. Nothing changes if all vertices or none are the frame's, or the mesh's
+    size does not fit."""
     kept = [vertex for vertex in polyline.vertices if not vertex.dxf.flags & _FRAME]
     if not kept or len(kept) == len(polyline.vertices):
         return
@@ -98,6 +100,7 @@ def check_size(document):
     counts = {}
 
     def count_block(name, inside):
+        """Return the count of entities of a block, 0 if there is none or it contains itself. `inside`: names of the blocks around it."""
         block = document.blocks.get(name)
         if block is None or name in inside:
             return 0  # ezdxf names a block that contains itself
@@ -106,6 +109,8 @@ def check_size(document):
         return counts[name]
 
     def count_layout(layout, inside=()):
+        """Return the count of entities of a layout, inserted blocks as often as their arrays repeat them. Raises TooMany if an insert counts more
+        than _MOST."""
         total = 0
         for entity in layout:
             count = _weight_of(entity)

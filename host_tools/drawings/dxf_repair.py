@@ -34,6 +34,7 @@ def repair_tags(data):
 
 
 def section_cut_off(data):
+    """Return the name of the section amid which a text DXF's bytes end, "SECTION" if it has no name; None if its last section is closed."""
     bounds = [match.groups() for match in _BOUND.finditer(data)]
     if bounds and bounds[-1][0] == b"SECTION":
         return (bounds[-1][1] or b"SECTION").decode("ascii")

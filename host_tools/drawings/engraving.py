@@ -433,6 +433,8 @@ def read_curve(path):
 
 
 def _read_curve(path):
+    """Return ((power, darkness), …), 0 to 1, of a text file with `POWER DARKNESS` in % a line; # begins a comment. Raises Failure if it is no UTF-8,
+    a line is wrong, it has fewer than two, or none is dark."""
     curve = []
     try:
         text = open(path, encoding="utf-8").read()

@@ -129,6 +129,8 @@ class Painter:
         return picture
 
     def _caption_text(self, second, now):
+        """Return a frame's caption: minutes and seconds since the trace's first row, X and Y in mm of row `now`, and the speed in mm/min over the
+        last 0.1 s."""
         rows = self._moves
         then = int(np.searchsorted(rows.seconds, second - 0.1, "right")) - 1
         way = np.hypot(*np.diff(self._mm[max(then, 0) : now + 1], axis=0).T).sum() if now > then >= 0 else 0.0
@@ -143,6 +145,7 @@ def write(path, moves, scale, seconds=20.0, speed=None, per_second=20, progress=
     painter = Painter(moves, scale)
 
     def draw_frames():
+        """Yield the picture of each moment; calls `progress(share)` before each, 0…1."""
         for number, moment in enumerate(moments):
             if progress:
                 progress(number / len(moments))
@@ -180,6 +183,7 @@ def _rgb_of(color):
 
 
 def _write_mp4(path, frames, per_second):
+    """Write pictures of SIZE as an MP4 of `per_second` frames a second, by imageio-ffmpeg."""
     import imageio_ffmpeg
 
     writer = imageio_ffmpeg.write_frames(str(path), SIZE, fps=per_second, macro_block_size=16, output_params=["-movflags", "+faststart"])

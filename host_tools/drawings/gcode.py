@@ -120,6 +120,8 @@ class _Writer:
             self.add_line("M5")
 
     def draw_line(self, points, cut):
+        """Append one polyline of points in steps, in all its passes: a closed line goes round again, an open one to and fro. On Z each pass is deeper
+        by the same step; behind the last the tool is lifted."""
         self.add_line(f"G0 {self.position_words(points[0])}")
         if cut.tool == "m3":
             self._switch_tool(f"M3 S{number(cut.power)}", cut)

@@ -100,6 +100,8 @@ class HpglFile:
         return affine_transform(area, [UNIT_PX, 0, 0, -UNIT_PX, -self._left * UNIT_PX, self.size_px[1] + self._bottom * UNIT_PX])
 
     def _draw_pens(self, deviation):
+        """Carry out the file's instructions; return the Pen with the inks of the first sheet that has lines. `deviation`: of curves from their
+        chords, in plotter units. Raises Failure if arcs have too many chords."""
         pen, sheets = Pen(deviation), []
         for name, given in self._instructions:
             if name == "PG":

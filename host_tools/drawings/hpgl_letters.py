@@ -67,6 +67,8 @@ class Letters:
         self._write_letter(self.symbol, place, complex(-width / 2 - self._slant * middle, -middle), width, height)
 
     def _write_letter(self, each, at, shift, width, height):
+        """Draw one letter: `at`, the pen's position, `shift` along and above the line, `width` and `height` in plotter units. A letter that the font
+        has not goes to `left_out`."""
         strokes = stroke_font.letter_strokes(each)
         if strokes is None:
             self._sheet.left_out[N_("letter that the pen's font has not")] += 1
@@ -81,6 +83,7 @@ class Letters:
         return 1.5 * width * (1 + self._space[0]), 2 * height * (1 + self._space[1])
 
     def _size_of_letters(self):
+        """Return (width, height) of a letter in plotter units: those of SI, or of SR as parts of the way from P1 to P2."""
         if self._size is None:
             return self._letter
         span = self._sheet.span

@@ -52,6 +52,7 @@ class Pen:
         self._reset_state()
 
     def _reset_state(self):
+        """Set the defaults of the pen: up, absolute positions, at 0;0, letters of the usual size, no polygon."""
         self._down, self._absolute = False, True
         self._place = 0j  # in plotter units
         self._letters = Letters(self.sheet, self._add_ink)
@@ -80,6 +81,8 @@ class Pen:
         self.inks.setdefault(self._number, []).append(Ink(str(self._number), lines, list(areas)))
 
     def _move_to(self, place):
+        """Move the pen to a position, in plotter units: add the position to the polygon under way, or to the line if the pen is down; with the pen up
+        end the line."""
         if self._polygon is not None:
             self._polygon[-1].append((place, self._down))
         elif self._down:
@@ -100,6 +103,7 @@ class Pen:
             self._letters.draw_symbol(self._place)
 
     def _set_pen(self, down):
+        """Raise or lower the pen. Raised it ends the line under way; lowered outside of a polygon it begins a new one."""
         if not down:
             self._lift_pen()
         elif self._polygon is None and not self._down:
@@ -111,6 +115,7 @@ class Pen:
         self._move_through(given)
 
     def _pen_down(self, given):
+        """PD: lower the pen and draw to the positions; without numbers leave a dot."""
         self._set_pen(True)
         if not given and self._polygon is None:
             self._line = self._line or [self._place, self._place]
@@ -147,6 +152,7 @@ class Pen:
         self._reset_state()
 
     def _set_defaults(self, given):
+        """DF: reset the sheet and the pen's state; the pen stays at its position."""
         self._lift_pen()
         place = self._place
         self.sheet.reset()
@@ -179,6 +185,7 @@ class Pen:
         return self.sheet.to_plotter_units(way.real, way.imag, True)
 
     def _draw_circle(self, given):
+        """CI: draw a circle around the pen's position: radius in the file's units, then the degrees of a chord, if given. The pen stays."""
         if not given or not given[0]:
             return
         self._lift_pen()
@@ -186,6 +193,8 @@ class Pen:
         self._draw_shape([[start, *self._arc_positions(self._place, start, 360.0, given[1] if len(given) > 1 else None)]])
 
     def _draw_arc(self, given, relative):
+        """AA and AR: draw an arc around a centre: its two numbers, the degrees, then the degrees of a chord, if given. `relative`: the centre counts
+        from the pen."""
         if len(given) < 3:
             return
         centre = self._place + self.sheet.to_plotter_units(*given[:2], True) if relative else self.sheet.to_plotter_units(*given[:2])
@@ -193,6 +202,8 @@ class Pen:
             self._move_to(place)
 
     def _draw_three_point_arc(self, given, relative):
+        """AT and RT: draw the arc from the pen through one position to another; a straight line to the latter if the three lie in a row. `relative`:
+        both count from the pen."""
         if len(given) < 4:
             return
         a = self._place
@@ -221,6 +232,8 @@ class Pen:
     # --- shapes: `filled` adds the area
 
     def _draw_shape(self, rings, filled=False):
+        """Draw closed rings of positions, in plotter units, with their area by the even-odd rule if `filled`. While a polygon is defined, append them
+        to it."""
         if self._polygon is not None:
             whole = [[(place, True) for place in ring] for ring in rings]
             self._polygon[-1:] = [*([self._polygon[-1]] if self._polygon[-1] else []), *whole, []]
@@ -229,6 +242,8 @@ class Pen:
         self._add_ink(rings, [svg_area.fill_area(rings, "evenodd")] if filled else ())
 
     def _draw_rectangle(self, given, relative, filled):
+        """EA, ER, RA and RR: draw the rectangle whose diagonal goes from the pen to a position, which counts from the pen if `relative`. The pen
+        stays."""
         if len(given) < 2:
             return
         self._lift_pen()
@@ -237,6 +252,8 @@ class Pen:
         self._draw_shape([[a, complex(c.real, a.imag), c, complex(a.real, c.imag), a]], filled)
 
     def _draw_wedge(self, given, filled):
+        """EW and WG: draw a wedge with its tip at the pen: radius, degrees of its start, degrees that it sweeps, then degrees of a chord, if given.
+        The pen stays."""
         if len(given) < 3:
             return
         self._lift_pen()
@@ -245,6 +262,8 @@ class Pen:
         self._draw_shape([[self._place, start, *arc, self._place]], filled)
 
     def _set_polygon_mode(self, given):
+        """PM: 0 begins a polygon at the pen; 1 closes its ring and begins the next; 2 closes it, and the pen goes back. Rings of less than three
+        positions are dropped."""
         mode = int(given[0]) if given else 0
         if mode == 0:
             self._lift_pen()

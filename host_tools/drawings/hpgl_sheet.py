@@ -72,6 +72,7 @@ class Sheet:
     # --- instructions
 
     def set_ends(self, given):
+        """IP: set P1 and P2, in plotter units. Two numbers move P1, and P2 with it; without numbers both get their defaults."""
         if len(given) >= 4:
             self._ends = complex(*given[:2]), complex(*given[2:4])
         elif len(given) >= 2:
@@ -90,6 +91,8 @@ class Sheet:
         self._compute_scale()
 
     def _compute_scale(self):
+        """Set `_scale` by SC's numbers: (position of the file's 0;0, plotter units of its unit across, and up). SC's kind 0 stretches both axes to P1
+        and P2, kind 1 has equal units, kind 2 gives the units as factors. None without SC; an empty range goes to `left_out`."""
         self._scale = None
         if not self._user:
             return

@@ -52,6 +52,8 @@ class SymbolSets:
         return found
 
     def _of_set(self, text):
+        """Return a text's letters by the chosen set. A national set (ISO 646) has letters of its own at _PLACES; bytes from 128 on are read by
+        _of_bytes()."""
         national = _NATIONAL.get(self._sets[self._chosen])
         if national:
             text = text.translate(str.maketrans(_PLACES, national))
@@ -59,6 +61,8 @@ class SymbolSets:
         return text if text.isascii() else self._of_bytes(text)
 
     def _of_bytes(self, text):
+        """Return a text's letters by the chosen set's codec, by default Roman-8; without a set as UTF-8, if its bytes are. Unknown bytes become
+        U+FFFD."""
         data, number = text.encode("latin-1"), self._sets[self._chosen]
         if number is None:
             try:

@@ -83,6 +83,7 @@ class Ends:
 
 
 def _ring_cells(x, y, ring):
+    """Return the cells `ring` columns or rows from the cell x, y, a square around it; for 0 the cell itself."""
     if not ring:
         return [(x, y)]
     side = range(-ring, ring + 1)

@@ -131,6 +131,8 @@ def _find_free(sheet, mask, size, room, cell, gap, across):
 
 
 def _put_mask(sheet, mask, row, column):
+    """Mark a shape's cells on the sheet, in place: the mask's first cell lies at `row`, `column`, which may be negative. Cells off the sheet are
+    dropped."""
     top, left = max(0, row), max(0, column)
     part = mask[top - row :, left - column :]
     part = part[: sheet.shape[0] - top, : sheet.shape[1] - left]

@@ -44,6 +44,7 @@ class Page:
     by_colour: bool = False  # a layer is a colour, in the order in which the file comes to them
 
     def add_inks(self, number, name, inks):
+        """Add inks to a layer; `by_colour`: each to the layer of its colour instead, numbered from 1. Inks without lines and areas are ignored."""
         for ink in inks:
             if not ink.lines and not ink.areas:
                 continue
@@ -73,6 +74,8 @@ def cut_inks(inks, area, left_out):
 
 
 def _cut_ink(ink, area, left_out):
+    """Return an Ink cut to an area. The edge of an area without a stroke is drawn anew along the cut; if nothing of a stroke is left, the area below
+    it is drawn by its edge."""
     lines = svg_area.clip_lines(ink.lines, area) if ink.lines else []
     whole = len(lines) == len(ink.lines) and all(kept is line for kept, line in zip(lines, ink.lines))
     areas = [each.intersection(area) for each in ink.areas]

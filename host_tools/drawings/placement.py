@@ -116,6 +116,8 @@ class Placement:
             )
 
     def _place_origin(self, options):
+        """Set `origin_mm`, the position of the box's lower left corner: 0;0, centred on the table by `fit` or `center`, or `origin`, which goes
+        before both."""
         size = [(high - low) * MM_PER_PX * self.factor for low, high in (self._box_px[::2], self._box_px[1::2])]
         self.origin_mm = (0.0, 0.0)
         if options.fit or options.center:

@@ -102,6 +102,7 @@ class _Tour:
             self._set_tour(2 * numpy.arange(count))
 
     def _set_tour(self, ends):
+        """Set the tour to `ends` (numpy array, 2 × line + side) between its two guards, and the position of each line in it."""
         self._tour = _int_array(numpy.concatenate([[2 * self._count + 1], ends, [-1]]))
         at = numpy.zeros(self._count + 1, numpy.int32)
         at[ends >> 1] = numpy.arange(1, self._count + 1)

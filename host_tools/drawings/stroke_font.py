@@ -36,6 +36,7 @@ _JOINED = {"\u00c6": "AE", "\u00e6": "ae", "\u0152": "OE", "\u0153": "oe"}
 
 @lru_cache(maxsize=1)
 def _load_font():
+    """Return Hershey's Roman Simplex ("futural" of HersheyFonts), loaded once."""
     from HersheyFonts import HersheyFonts
 
     font = HersheyFonts()

@@ -101,6 +101,7 @@ def subtract_area(lines, area):
 
 
 def _cut_line(line, area):
+    """Return the parts of a line inside an area, in its direction; the line itself if it lies inside as a whole."""
     points = _xy_pairs(_without_repeats(line))
     if len(points) < 2:
         return [line] if shapely.intersects(area, shapely.Point(points[0])) else []
@@ -120,6 +121,7 @@ def _cut_line(line, area):
 
 
 def _append_piece(runs, a, b):
+    """Append the way from `a` to `b` to the last run if that ends at `a` within _SAME_PX, else as a new run."""
     if runs and abs(runs[-1][-1] - a) < _SAME_PX:
         runs[-1].append(b)
     else:

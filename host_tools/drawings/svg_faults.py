@@ -36,6 +36,7 @@ def count_by_letters(element):
 
 @contextlib.contextmanager
 def name_faults(path, element):
+    """Run the block; raise its TooFar, and errors of numbers, memory and depth, as a Failure that names the file and the element."""
     try:
         yield
     except TooFar as error:

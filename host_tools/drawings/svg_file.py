@@ -130,6 +130,7 @@ class SvgFile:
             return self._lines_of(element, context)
 
     def _lines_of(self, element, context):
+        """Return the inks of an element and all in it, in px of the page, cut by its clip path; [] if nothing of it is shown. Raises Failure."""
         tag = local_name(element.tag)
         inner = self._inner_context(element, context)
         if inner is None:
@@ -198,6 +199,7 @@ class SvgFile:
         return [child for child in [next(suit, None)] if child is not None]
 
     def _note_left_out(self, tag, style):
+        """Count a visible picture, content that is not SVG, or a text in a frame in `left_out`; other elements are ignored."""
         kinds = {"image": N_("picture"), "foreignObject": N_("text or other content that is not SVG"),
                  "flowRoot": N_("text in a frame (convert it to text or to paths)")}  # fmt: skip
         if tag in kinds and style.get("visibility", "visible") == "visible":
@@ -237,6 +239,8 @@ class SvgFile:
         """Return a function from a <textPath> to the path on which its letters stand, polylines, or None."""
 
         def find_path(element):
+            """Return the polylines of the shape that a <textPath> names, its own matrix carried out; None if it names none, or a matrix leaves no
+            extent."""
             target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
             if target is None or local_name(target.tag) not in SHAPES:
                 return None
@@ -249,6 +253,8 @@ class SvgFile:
         return find_path
 
     def _use_inks(self, element, context):
+        """Return the inks of the element that a <use> names, moved by its x and y; [] if there is no such element, which `left_out` counts. Raises
+        Failure if the <use> leads to itself, or there are too many copies."""
         target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
         if target is None:
             self._page.left_out[N_("<use> of something that is not in the file")] += 1
@@ -291,6 +297,8 @@ class SvgFile:
     # --- clip paths
 
     def _clip_inks(self, inks, element, context):
+        """Return the inks cut by the element's clip path. They stay as they are without one; a clip path of CSS, or one that is not in the file, goes
+        to `left_out`."""
         value = context.style.get("clip-path", "none")
         match = _URL.match(value)
         lines = [line for ink in inks for line in ink.lines]
@@ -356,6 +364,8 @@ class SvgFile:
     # --- attributes
 
     def _style_of(self, element, inherited):
+        """Return an element's style as a dict: texts, but font-size in px, font-weight as a number, and fill and stroke as paint_of() returns them.
+        `inherited`: its parent's."""
         style = self._sheet.style(element, inherited)
         for name, number, usual in (("font-size", svg_style.font_size, 16.0), ("font-weight", svg_style.font_weight, 400)):
             around = inherited.get(name, usual)

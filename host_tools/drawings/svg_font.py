@@ -135,6 +135,7 @@ def _fontconfig_pattern(families):
 
 
 def _run_program(*words):
+    """Return a program's output without blanks at its ends; "" if it is missing, fails, or takes more than 10 s."""
     try:
         return subprocess.run(words, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):

@@ -117,6 +117,8 @@ def read_matrix(text, viewport=(0.0, 0.0), font_size=16.0):
 
 
 def _read_argument(name, index, text, viewport, font_size):
+    """Return one argument of a transform function: angles in degrees, lengths of translate and rotate in px, others as plain numbers. `index`: its
+    position among the arguments. Raises ValueError if it is no number or has a wrong unit, TooFar."""
     match = _LENGTH.match(text)
     if not match:
         raise ValueError(f"{text!r} is no number")
@@ -134,6 +136,7 @@ def _read_argument(name, index, text, viewport, font_size):
 
 
 def _step_matrix(name, given):
+    """Return the matrix of one transform function and its arguments; angles are degrees. Raises ValueError if it does not take as many arguments."""
     if (name, len(given)) == ("matrix", 6):
         return tuple(given)
     if name == "translate" and len(given) in (1, 2):
@@ -257,6 +260,8 @@ def _corner_radii(lengths):
 
 
 def _rect_path(lengths):
+    """Return the path data of a <rect>, its corners rounded by half a side at most; None if a side is 0 or less. `lengths(name, axis)` reads an
+    attribute, in px."""
     x, y, width, height = lengths("x", "x"), lengths("y", "y"), lengths("width", "x"), lengths("height", "y")
     if width <= 0 or height <= 0:
         return None
@@ -282,6 +287,7 @@ def flatten_segments(segments, deviation):
     lines, line = [], []
 
     def finish_line():
+        """Append the line under way to `lines`, without repeated positions; a line without length stays as a dot of two."""
         if len(line) > 1:
             array = numpy.array(line)
             moved = array[1:] != array[:-1]
@@ -381,6 +387,7 @@ def dash_lines(lines, pattern, offset, left_out=None):
 
 
 def _part_between(line, along, low, high):
+    """Return the part of a line from the distance `low` to `high` along it; `along`: the distances of its points."""
     inner = line[(along > low) & (along < high)]
     real = numpy.interp([low, high], along, line.real)
     imag = numpy.interp([low, high], along, line.imag)

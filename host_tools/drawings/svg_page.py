@@ -37,6 +37,8 @@ def page_size(root, style):
 
 
 def _size_px(root, style):
+    """Return width and height of the page in px, of the style, else of the attributes. A missing one follows from the viewBox, or is _DEFAULT_PX.
+    Raises TooFar."""
     box = view_box(root)
     width, height = (svg_geometry.length_px(style.get(name), default=svg_geometry.length_px(root.get(name), default=None)) for name in ("width", "height"))
     shape = (box[2], box[3]) if box else (_DEFAULT_PX, _DEFAULT_PX)

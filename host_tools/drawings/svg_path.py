@@ -72,6 +72,7 @@ class _Reader:
         self._here, self._kind = end, ""
 
     def _add_lines(self, kind, values, relative):
+        """Add the segments of M or L, two numbers a position. The first position of M begins a subpath, lines lead to the others."""
         points, here = [], self._here
         for x, y in zip(values[::2], values[1::2]):
             here = here + complex(x, y) if relative else complex(x, y)
@@ -84,6 +85,7 @@ class _Reader:
             self._add_segment(("L", points), here)
 
     def _add_sides(self, kind, values, relative):
+        """Add one segment of lines along X (H) or Y (V), a number each."""
         points, here = [], self._here
         for value in values:
             if kind == "H":
@@ -95,6 +97,8 @@ class _Reader:
             self._add_segment(("L", points), here)
 
     def _add_curves(self, kind, points, size, count, relative):
+        """Add `count` curves of C, S, Q or T, of `size` positions each. S and T mirror the control of the curve before, if it is of their kind; else
+        their first control is its end."""
         for index in range(0, size * count, size):
             given = [self._here + point if relative else point for point in points[index : index + size]]
             if kind in "ST":
@@ -105,6 +109,7 @@ class _Reader:
             self._control, self._kind = given[-2], made
 
     def _add_arcs(self, text, relative):
+        """Add the arcs of A's text, seven numbers each; return True if there is one, and nothing else follows."""
         import svgelements
 
         at, found = 0, 0

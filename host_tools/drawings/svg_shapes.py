@@ -33,6 +33,8 @@ class Shapes:
         self._page, self._deviation, self._fills, self._unseen = page, deviation, fills, unseen
 
     def shape_inks(self, tag, element, context):
+        """Return the inks of a shape in px of the page: dashed, an area's edge closed; [] if it is hidden or has no extent. Counts unseen shapes,
+        backgrounds and markers in the page."""
         style = context.style
         if style.get("visibility", "visible") != "visible":
             return []
@@ -108,12 +110,16 @@ class Shapes:
         return segments
 
     def _basic_path(self, tag, element, context):
+        """Return the path data of a basic shape, its lengths from the style, else the attributes; None if it is not drawn."""
+
         def read_length(name, axis, default=0.0):
             return element_length(context.style.get(name, element.get(name)), axis, context, default)
 
         return svg_geometry.shape_path(tag, read_length, element.get("points"))
 
     def _dash_lines(self, lines, element, context):
+        """Return the dashes of lines by stroke-dasharray and stroke-dashoffset, scaled by pathLength if there is one; the lines themselves without a
+        pattern."""
         style = context.style
         text = style.get("stroke-dasharray", "none")
         if text == "none":

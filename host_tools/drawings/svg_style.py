@@ -123,6 +123,8 @@ class Sheet:
         self._add_rules(tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True))
 
     def _add_rules(self, rules):
+        """Add rules of tinycss2 to `_rules`, as (selector, body): those of @media if a screen takes it, none of pseudo-elements. Counts keyframes in
+        `animations`; rules that cannot be read go to `unknown`."""
         import cssselect2
         import tinycss2
 
@@ -150,6 +152,7 @@ class Sheet:
         return not media.strip() or any(self._query_applies(each.strip().lower()) for each in media.split(","))
 
     def _query_applies(self, text):
+        """True if a screen takes one query of a list of media. A query or feature that is not known goes to `unknown` and does not hold."""
         match = _QUERY.match(text)
         if match is None or match[2] is None and match[3] is None:
             self.unknown.append(f"@media {text}")
@@ -163,6 +166,7 @@ class Sheet:
         return taken != bool(match[1])
 
     def _match_rules(self, root):
+        """Match all rules with all elements below `root`, once: `_of` gets the bodies of each element, the weakest first."""
         import cssselect2
 
         matcher = cssselect2.Matcher()
@@ -244,6 +248,7 @@ def _alpha_of(value):
 
 
 def is_white(value):
+    """True of a colour that is white in its own colour space, to a thousandth."""
     colour = _parse_colour(value)
     if colour is None or colour.space.startswith("xyz"):
         return False

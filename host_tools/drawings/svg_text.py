@@ -116,6 +116,8 @@ def _is_blank(letter):
 
 
 def _collect_into(element, style, found_by, viewport, left_out, letters, keep_space, depth=0):
+    """Append the letters of a <text> or <tspan>, and of all in it, to `letters`; its x, y, dx, dy and rotate go to letters without their own.
+    `found_by`: (style_of, way_of) of collect_letters(). Raises ValueError at _DEEPEST levels."""
     if depth == _DEEPEST:
         raise ValueError(f"{_DEEPEST} levels of text in text")
     keep_space = element.get(_SPACE, "preserve" if keep_space else "") == "preserve" or style.get(
@@ -218,6 +220,8 @@ _CASES = {"uppercase": str.upper, "lowercase": str.lower, "capitalize": str.titl
 
 
 def _add_letters(text, style, size, keep_space, letters):
+    """Append the letters of a text of `size` px, with text-transform carried out. Combining signs join the letter before; of several blanks the first
+    is appended, unless `keep_space`."""
     text = _CASES.get(style.get("text-transform"), str)(text or "")
     for each in text:
         letter = Letter(" " if each.isspace() and each != "\xa0" else each, style, size, keep_space)
@@ -273,6 +277,7 @@ def _on_way(chunk, at, ways, deviation, left_out):
 
 
 def _find_chunks(letters):
+    """Return the _Chunks of letters: a new one at each x, y or path of the file. Letters of one style that follow each other plainly are one _Run."""
     chunks = []
     for letter in letters:
         if not chunks or letter.x is not None or letter.y is not None or letter.way is not chunks[-1].way:
@@ -294,6 +299,7 @@ def _spacing_px(style, size, text=" "):
 
 
 def _advance_px(run, left_out):
+    """Return the length of a run in px, with its spacing, stretched as it is drawn. A font that is not installed goes to `left_out`."""
     from matplotlib.textpath import text_to_path
 
     with warnings.catch_warnings():
@@ -314,6 +320,7 @@ def _run_lengths(runs, left_out):
 
 @lru_cache(maxsize=4096)
 def _kerning_share(font, pair):
+    """Return how much wider two letters are together than one by one, as a part of the font's size; negative: closer."""
     from matplotlib.textpath import text_to_path
 
     with warnings.catch_warnings():

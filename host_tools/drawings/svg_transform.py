@@ -67,6 +67,8 @@ def _flatten_text(text):
 
 
 def _translation_of(text, whole, size):
+    """Return the matrix of the property `translate`; `whole`: (width, height) of which per cent are, `size`: the font size, all in px. Raises
+    TooFar."""
     if text == "none":
         return IDENTITY
     x, y = ([svg_geometry.length_px(part, side, size) for part, side in zip(text.split(), whole)] + [0.0])[:2]
@@ -91,6 +93,7 @@ def _rotation_of(text):
 
 
 def _scaling_of(text):
+    """Return the matrix of the property `scale`: factors or per cent, one for both axes or one each."""
     if text == "none":
         return IDENTITY
     shares = [float(word.rstrip("%")) / (100 if word.endswith("%") else 1) for word in text.split()]

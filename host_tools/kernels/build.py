@@ -47,6 +47,8 @@ def group_kernels(program, board, left=(), keep=False, frozen=False):
     plan, planned = program.modules_loaded_with(PLAN), has_acceleration(board)
 
     def group_of(kernel):
+        """Return the name of the module that a kernel goes into. In a UF2 a laser's kernels, and those of "steps" that are not HOT, go into the
+        modules of STAYING."""
         module = kernel.module
         if frozen and module in LASER:
             return STAYING[1]

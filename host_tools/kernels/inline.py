@@ -26,6 +26,8 @@ FEW, ONCE, COPIES, LARGEST = 12, 23, 30, 180
 
 
 def inline_kernels(texts, keep=False):
+    """Return {path: text} of a build with short kernels put into those that call them. `keep`: those called by kernels only stay callable from
+    Python. Raises Failure if a kernel cannot be inlined, or kernels call each other in a circle."""
     program = Program(texts)
     chosen = _kernels_to_inline(program)
     made, under_way = {}, []
@@ -56,6 +58,7 @@ def _kernels_to_inline(program):
     uses, weights, found = program.uses, {}, {}  # weights: statements, with those of the kernels that go in
 
     def weigh_kernel(kernel):
+        """Set the weight of a kernel and of those that it calls, in statements with those put into it; add it to `found` if it is inlined."""
         full, called = kernel.full, program.kernels_called(kernel)
         if full in weights:
             return
@@ -74,6 +77,8 @@ def _kernels_to_inline(program):
 
 
 def _replace_kernels(program, module, text, kernels, made, gone):
+    """Return a module's text with its changed kernels at the end and blank lines in their stead; without the kernels `gone` (full names), and imports
+    of these. Other lines keep their numbers."""
     lines = text.splitlines(keepends=True)
     tail = []
     for kernel in kernels:
@@ -122,6 +127,7 @@ class AsInt(ast.NodeTransformer):
         return node
 
     def visit_Call(self, node):
+        """Return the call, inside int() if `wanted` says, but not inside two."""
         if is_int(node) and self.wanted(node.args[0]):
             self.generic_visit(node.args[0])
             return node
@@ -136,6 +142,7 @@ class Renamed(ast.NodeTransformer):
         self.names = names
 
     def visit_Name(self, node):
+        """Return the caller's node for a callee's name: a name, or a copy of an expression. Other names stay."""
         new = self.names.get(node.id)
         if new is None:
             return node
@@ -152,6 +159,8 @@ class Inliner:
         self.wants = set()
 
     def inline_node(self):
+        """Return a copy of the kernel's node with calls inlined, and others' results as int(); `wants`: imports that it needs. Returns the node
+        itself if there is nothing to change. Raises Failure if a statement cannot be inlined."""
         bare = {id(each) for each in ast.walk(self.kernel.node) if self._stays_a_call(each)}
         bare -= {id(each.args[0]) for each in ast.walk(self.kernel.node) if is_int(each)}
         bare -= {id(each.value) for each in ast.walk(self.kernel.node) if isinstance(each, ast.Expr)}
@@ -178,6 +187,7 @@ class Inliner:
         return self.kernel.kind_of(node, self.kinds)
 
     def new_local(self, kind):
+        """Return a new local's name, `_KIND_N`, and note its kind."""
         number = self.used[kind] = self.used.get(kind, 0) + 1
         made = f"_{kind}_{number}"
         self.kinds[made] = kind
@@ -193,6 +203,7 @@ class Inliner:
     # --- statements
 
     def inline_statements(self, nodes):
+        """Return the statements with calls inlined; the locals made for one serve the next again."""
         out = []
         for node in nodes:
             before = dict(self.used)
@@ -201,6 +212,8 @@ class Inliner:
         return out
 
     def inline_statement(self, node):
+        """Return the statements in place of one: those that must run before it, then it itself. Raises Failure at a loop's else, and at a call in an
+        index that is read and written."""
         if isinstance(node, LOOPS) and node.orelse:
             self.kernel.refuse(node, "a loop's else; use a variable")
         out = []
@@ -232,6 +245,8 @@ class Inliner:
         return [*out, node]
 
     def inline_assignment(self, node, out):
+        """Return the statements in place of an assignment, behind those of `out`. A call's result goes straight to a single name, without int();
+        calls in targets run after the value."""
         target, value = node.targets[0], node.value
         inner = value
         while is_int(inner):

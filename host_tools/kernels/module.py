@@ -70,6 +70,7 @@ def find_compiler(march):
 
 @lru_cache(maxsize=16)
 def _find_compiler(march, asked):
+    """Return (name, command, options to try, version) of gcc, else of zig; `asked`: only the one of this name. None if there is none for `march`."""
     gcc = GCC.get(march, "").split()
     if march == "x64" and platform.machine() not in ("x86_64", "AMD64"):
         return None
@@ -196,6 +197,7 @@ def pointer_positions(code, march):
 
 
 def encode_number(value):
+    """Return a number of 0 or more as .mpy files have it: 7 bits a byte, the highest first, bit 7 set in all but the last."""
     out = bytes([value & 0x7F])
     while value := value >> 7:
         out = bytes([0x80 | value & 0x7F]) + out
@@ -214,6 +216,7 @@ def mpy_of(code, names, march):
 
 
 def code_of(data, names, march):
+    """Return the machine code in the bytes of mpy_of(), made with the same `names` and `march`."""
     at = len(_mpy_head(names, march))
     while data[at] & 0x80:
         at += 1

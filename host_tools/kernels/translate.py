@@ -34,6 +34,8 @@ class Function:
         self.with_objects = None  # until it is known
 
     def _learn_kinds(self):
+        """Note the locals that stand for kernels, and the pointers to hardware or to arrays shared with interrupts. Raises Failure if arguments have
+        defaults or stars, or a type that kernels have not."""
         arguments, asked = [name for name, _ in self.kernel.arguments], self.kernel.node.args
         if asked.vararg or asked.kwarg or asked.kwonlyargs or asked.posonlyargs or asked.defaults:
             self.refuse(self.kernel.node, "arguments have names and no defaults: write kernel(a: int, b: ptr32)")
@@ -89,12 +91,15 @@ class Function:
         return self.value_text(node)
 
     def value_text(self, node):
+        """Return the C of an expression. Raises Failure if kernels have no expression of its kind."""
         method = getattr(self, "_value_of_" + type(node).__name__.lower(), None)
         if method is None:
             self.refuse(node, f"{ast.unparse(node)[:60]}: kernels have numbers, arrays, calls and attributes only")
         return method(node)
 
     def _value_of_constant(self, node):
+        """Return the C of a whole number of 32 bits, from 2^31 on as the negative number of the same bits. Raises Failure if it is another
+        constant."""
         if type(node.value) not in (int, bool):
             self.refuse(node, f"{node.value!r}: kernels have whole numbers only")
         value = int(node.value)
@@ -104,6 +109,7 @@ class Function:
         return str(value) if value > -(1 << 31) else "INT32_MIN"
 
     def _value_of_name(self, node):
+        """Return the C of a local or an argument, `v_NAME`, or the number of a module's constant. Raises Failure if it is another name."""
         if node.id in self.kinds:
             return "v_" + node.id
         numbers = self.program.constants.get(self.kernel.module, {})
@@ -125,6 +131,7 @@ class Function:
         return f"({{ {first} {form(*names)}; }})"
 
     def _value_of_binop(self, node):
+        """Return the C of two numbers and their operator; // % << >> are functions of runtime.c. Raises Failure if kernels have no such operator."""
         values = [self.number_text(node.left), self.number_text(node.right)]
         if type(node.op) in FUNCTION:
             return self.in_sequence([node.left, node.right], values, lambda left, right: f"{FUNCTION[type(node.op)]}({left}, {right})")
@@ -138,6 +145,8 @@ class Function:
         return f"({'~' if isinstance(node.op, ast.Invert) else '-'}{self.number_text(node.operand)})"
 
     def _value_of_compare(self, node):
+        """Return the C of a comparison, a chain of them joined by &&. Raises Failure if a value amid a chain is neither a name nor a constant, or it
+        is no comparison of numbers."""
         parts, left = [], node.left
         for operator, right in zip(node.ops, node.comparators):
             if type(operator) not in COMPARE:
@@ -175,6 +184,8 @@ class Function:
         return f"load_attr({self.value_text(node.value)}, {self.unit.name_text(node.attr)})"
 
     def _value_of_call(self, node):
+        """Return the C of a call: int(), ptr8() to ptr32(), of a kernel, a method, or a function given as an argument; the latter's usual kernel is
+        called directly. Raises Failure if it is another call, or names arguments."""
         if node.keywords:
             self.refuse(node, f"{ast.unparse(node)[:60]}: arguments go by their places")
         name = node.func.id if isinstance(node.func, ast.Name) else None
@@ -208,6 +219,7 @@ class Function:
         return f"(is_kernel({self.value_text(node.func)}, {wrapper}) ? (void){self._direct_call(usual, node)} : (void){other})"
 
     def _direct_call(self, kernel, node):
+        """Return the C that calls a kernel's own function, each argument as its kind. Raises Failure if their count is wrong."""
         callee = self.unit.function_of(kernel)
         if len(node.args) != len(kernel.arguments):
             self.refuse(node, f"{kernel.name}() takes {len(kernel.arguments)} arguments")
@@ -221,6 +233,8 @@ class Function:
         return self.in_sequence(node.args, given, lambda *values: f"{callee.c_name}({', '.join([*first, *values])})")
 
     def pointer_text(self, node, wanted, shared, callee):
+        """Return the C of an argument of `callee` as a pointer of the type `wanted`. Raises Failure if it is a number, or an array shared with
+        interrupts which the callee does not take for `shared`."""
         kind = self.kind_of(node)
         name = node.id if isinstance(node, ast.Name) else None
         name = self.array_of.get(name, name)
@@ -235,6 +249,7 @@ class Function:
         return f"array_of(at, {self.value_text(node)})"
 
     def object_text(self, node):
+        """Return the C of an expression as an object; numbers and pointers are converted."""
         if self.kind_of(node) == OBJECT:
             return self.value_text(node)
         if self.kind_of(node) in POINTERS:
@@ -304,6 +319,8 @@ class Function:
         return simple[type(node)]
 
     def _assign_lines(self, node):
+        """Return the lines of C of an assignment; none if the name stands for a kernel. Raises Failure if a target is neither a name nor an element,
+        or its kind is another than the value's."""
         if isinstance(node.targets[0], ast.Name) and node.targets[0].id in self.other_names:
             return []
         if len(node.targets) > 1 and not isinstance(node.value, (ast.Name, ast.Constant)):
@@ -320,6 +337,8 @@ class Function:
         return lines
 
     def _store_lines(self, target, value):
+        """Return the lines of C that store the C `value` in a name or an element. An element that interrupts or hardware change is written behind
+        settled()."""
         if isinstance(target, ast.Name):
             if self.kind_of(target) in POINTERS and self.is_volatile(target.id) and "volatile" not in value and target.id not in self.shared:
                 value = f"(volatile {C_TYPE[self.kinds[target.id]]}){value}"
@@ -330,6 +349,7 @@ class Function:
         return [f"{element} = {value};"]
 
     def _for_lines(self, node):
+        """Return the lines of C of a loop over range(), whose limits are computed once. Raises Failure if it is another loop."""
         call = node.iter
         if not (isinstance(call, ast.Call) and ast.unparse(call.func) == "range" and 1 <= len(call.args) <= 2 and isinstance(node.target, ast.Name)):
             self.refuse(node, "for: write for NAME in range(…), with one number or two")
@@ -349,6 +369,7 @@ class Function:
         return f"static {'int32_t' if self.kernel.returns else 'void'} {self.c_name}({', '.join(arguments) or 'void'})"
 
     def function_text(self):
+        """Return the kernel's C function: its locals begin as 0, and it returns 0 if its end is reached."""
         body = self.block_text(self.kernel.node.body, 1)
         known = {name for name, _ in self.kernel.arguments}
         local = "".join(f"    {self.declaration_text(name, kind)} = 0;\n" for name, kind in self.kinds.items() if name not in known)

@@ -19,6 +19,7 @@ class Unit:
         self.called = [self.function_of(kernel) for kernel in kernels]
 
     def function_of(self, kernel):
+        """Return the Function of a kernel, made once; None while it is made."""
         if kernel.full not in self.functions:
             self.functions[kernel.full] = None  # no kernel needs itself to be made
             self.functions[kernel.full] = Function(self, kernel)
@@ -34,6 +35,8 @@ class Unit:
         return f"_{[each.kernel.full for each in self.called].index(kernel.full)}"
 
     def text(self, runtime):
+        """Return the C of the module: `runtime`, the text of runtime.c, all functions with their wrappers, and define_all(), which gives Python the
+        kernels."""
         heads, bodies, wrapped = self._c_parts()
         heads += "".join(f"static object_t {each.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args);\n" for each in wrapped)
         stores = "".join(f"    define(at, {self.name_text(self.python_name(each.kernel))}, (const char *){each.wrapper_name()} + away, arrays);\n" for each in self.called)

@@ -175,6 +175,8 @@ def read(data, board):
 
 
 def _row_of(numbers, at, board, platform):
+    """Return the Row in BOX_ROW numbers from index `at`: with a position if its kind is of PLACES, override (%) and state of a sample, or the levels
+    of inputs."""
     fields = numbers[at : at + BOX_ROW]
     kind = fields[0] & 0xFF
     row = Row(kind, fields[1], fields[2], fields[3], fields[4], list(fields[5 : 5 + len(board["axes"])]) if kind in PLACES else [])

@@ -110,6 +110,8 @@ def read(path):
 
 
 def _parse_row(where, fields):
+    """Return the Row of a line's fields: axis, commanded, measured and sigma in mm, readings, after. Raises Failure, which names the line by `where`,
+    if a field is wrong."""
     axis, *rest = fields
     diagonal = re.fullmatch(r"([xyza])([xyza])[+-]", axis)
     if not (diagonal and diagonal[1] != diagonal[2]) and axis not in ("x", "y", "z", "a"):
@@ -181,6 +183,8 @@ def fit_axis(rows, steps_per_mm, reading=READING_MM):
 
 
 def _verdict_of(scale, u_scale, chance):
+    """Return "unknown" without a chance of χ², "mechanics" if it is below DOUBT, "scale" if the scale is off 1 by more than SURE uncertainties, else
+    "right"."""
     if chance is None:
         return "unknown"
     if chance < DOUBT:

@@ -246,6 +246,7 @@ def crossings(a, b):
 
 
 def _line_and_circle(line, arc):
+    """Return the points, mm, where the endless line crosses the arc's circle; [] if there is none, or the line is shorter than SMALL."""
     if abs(line.end - line.start) < SMALL:
         return []
     way = line.direction_at(line.start)
@@ -254,6 +255,8 @@ def _line_and_circle(line, arc):
 
 
 def _crossing_pair(middle, way, radius, height):
+    """Return the two points on a line (`middle`, unit vector `way`) that are `radius` mm from a centre `height` mm beside `middle`; [] if the centre
+    is farther away."""
     square = radius * radius - height * height
     if square < -2 * radius * SMALL:
         return []

@@ -53,6 +53,7 @@ class Contour:
         return complex(place[self.axes[0]], place[self.axes[1]])
 
     def _target_of(self, first, second, height):
+        """Return [X, Y, Z] of two coordinates in the plane and a height, mm; None: the axis stays."""
         target = [None] * 3
         for axis, value in zip(self.axes, (first, second, height)):
             target[axis] = value
@@ -75,6 +76,8 @@ class Contour:
             self._motions.append(_Motion(source, piece, heights, rapid, feed))
 
     def add_arc(self, begin, end, plane, clockwise, centre, feed, sweep, turns, source):
+        """Add an arc of the program, lengths in mm, `centre` from its start, `feed` in mm/min, `sweep` in radians. Raises ProgramError if it lies in
+        another plane, has several turns, is a whole circle as the way in, or has no centre equally far from its ends."""
         if plane != self.plane:
             raise ProgramError(COMPENSATED, "another plane")
         if turns > 1:
@@ -194,6 +197,8 @@ class Contour:
             self._put_piece(Piece(arc.end, arc.start, arc.centre, not arc.clockwise), motion, begin[third])
 
     def _put_contour(self, entry, way_in, path):
+        """Append the contour's motions in the program's order: `way_in` for the motion `entry`, for others the pieces of `path`, [(piece, number)]. A
+        motion's Z changes along its last piece."""
         at = 0
         number = -1  # of the contour's piece under way
         for motion in self._motions:

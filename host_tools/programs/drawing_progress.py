@@ -105,6 +105,7 @@ def spot_at(objects, number, drawn):
 
 
 def _spot_after(objects, done, position):
+    """Return the Spot behind the first `done` points of all objects; `position`: amid a line, (x, y) in steps, or None."""
     left = done
     for number, points in enumerate(objects):
         if left < len(points) or number + 1 == len(objects):

@@ -57,6 +57,7 @@ class Cycle:
             path.put_word(self.spindle)
 
     def _put_pecks(self, path):
+        """Append the pecks down to `bottom`, `peck` mm each: G73 lifts by BACK_OFF_MM between them, G83 to `above`."""
         reached = self.above
         while reached - self.peck > self.bottom + 1e-9:
             reached -= self.peck
@@ -72,6 +73,7 @@ class Cycle:
         self._move_to(path, (None, None, height), rapid)
 
     def _move_to(self, path, position, rapid):
+        """Append a straight line to a position on the plane's axes, in mm; None: the axis stays. A rapid, or at the cycle's feed."""
         target = [None] * 3
         for axis, value in zip(self.axes, position):
             target[axis] = value

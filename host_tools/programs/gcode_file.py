@@ -56,6 +56,7 @@ def jobs_only(rows):
 
 
 def _raw_rows(file, path):
+    """Yield the lines of a binary file, without their ends. Raises Failure at a zero byte."""
     for raw in file:
         if b"\0" in raw:
             raise _no_text(path)

@@ -101,6 +101,8 @@ class _Levelled:
         self.lines = []
 
     def take_line(self, number, text):
+        """Append the levelled lines of one line of the job to `lines`. Raises Unfollowed if it cannot be levelled, or the job gets longer than
+        _MOST_LINES."""
         if text[:1] == "$":
             self.lines.append(text)
             return
@@ -125,6 +127,7 @@ class _Levelled:
             raise Unfollowed(number, "length")
 
     def _check_codes(self, number, codes):
+        """Follow the G codes of motion, units and plane. Raises Unfollowed at G91, work offsets and the codes of _REFUSED."""
         for code in codes:
             if code == 91:
                 raise Unfollowed(number, "relative")
@@ -138,6 +141,8 @@ class _Levelled:
                 self._plane = int(code)
 
     def _put_move(self, number, words, values):
+        """Append the lines of a motion, split so that Z follows the map. Raises Unfollowed if a cut's position is not known, or an arc lies outside
+        of XY."""
         begun = self._place
         to = [values[letter] * self._scale if letter in values else begun[n] for n, letter in enumerate("XYZ")]
         others = self._other_words(words)
@@ -173,6 +178,7 @@ class _Levelled:
         return told
 
     def _point_text(self, point):
+        """Return the words of a point in mm, Z raised by the map's height there, by the map's highest if X or Y is not known; None: no word."""
         x, y, z = point
         text = "".join([" %s%.3f" % (letter, value) for letter, value in (("X", x), ("Y", y)) if value is not None])
         if z is None:
@@ -185,6 +191,8 @@ class _Levelled:
         return [[a + (b - a) * n / count for a, b in zip(begun, to)] for n in range(1, count)] + [to]
 
     def _arc_points(self, number, begun, to, values):
+        """Return the points of an arc or helix behind its start `begun`, mm, `to` included: by R, or I and J. Chords are at most 0.01 mm off and as
+        short as the map wants. Raises Unfollowed if no arc fits."""
         clockwise = self._motion == 2
         if "R" in values:
             x, y, radius = to[0] - begun[0], to[1] - begun[1], values["R"] * self._scale

@@ -59,6 +59,7 @@ class Job:
         self._save_progress(len(self.objects), 0)
 
     def _ask_change(self, number, drawn, change):
+        """Call `change(number)` before an object of which nothing is drawn. Raises Broken, the machine stopped, if that is cancelled."""
         if change is None or drawn:
             return
         try:
@@ -83,6 +84,7 @@ class Job:
             return skip + max(sure, 0)
 
         def report_status(status):
+            """Save the points drawn by a status of the controller, if they are more than before, and call `progress(number, drawn)`."""
             drawn = count_drawn(status)
             if (number, drawn) > self._at:
                 self._save_progress(number, drawn)
@@ -117,6 +119,7 @@ class Job:
         return _("{} of {} points", points, sum(map(len, self.objects)))
 
     def _save_progress(self, number, drawn):
+        """Save in the journal that `drawn` points of object `number` are drawn. If that fails, warn once; without `warn` raises Failure."""
         self._at = (number, drawn)
         if self.journal is None:
             return

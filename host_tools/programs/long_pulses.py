@@ -73,6 +73,8 @@ class LongFile:
             raise Failure("cannot read {}: {}", self._path, reason(error)) from error
 
     def _check_block(self, state, block):
+        """Check that each byte of a block belongs to a code, and each number is in its range. Raises Failure with line and column of the first that
+        does not."""
         from host_tools.language import error_text
         from passo import errors
         from passo.protocols.pulses.codes import SPEED_MM_MIN, WAIT_MS

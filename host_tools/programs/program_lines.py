@@ -86,6 +86,7 @@ def strip_line(raw):
 
 
 def _without_comments(raw):
+    """Return a raw line's bytes without comments in brackets, and without the rest behind a ; or a bracket that is not closed."""
     kept = b""
     while raw:
         at = len(raw)
@@ -181,6 +182,7 @@ def _without_number(line):
 
 
 def _is_line_number(digits):
+    """True if bytes are a number of 0 to _MOST_NUMBER."""
     try:
         return 0 <= float(digits) <= _MOST_NUMBER
     except ValueError:

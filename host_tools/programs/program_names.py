@@ -19,6 +19,7 @@ _MOST = 100
 
 
 def _read_kept():
+    """Return {number as 8 hex digits: [name, last line]} of the file KEPT; {} if there is none that can be read."""
     try:
         known = json.loads(KEPT.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -27,6 +28,7 @@ def _read_kept():
 
 
 def remember_program(lines, name):
+    """Remember the name of a program, [(number, bytes)], and its last line with X, Y or Z (0: none); return the program's number."""
     number = number_of(lines)
     moving = [at for at, line in lines if any(letter in line.upper() for letter in b"XYZ")]
     remember_name(number, name, moving[-1] if moving else 0)
@@ -49,6 +51,7 @@ def remember_name(number, name, last):
 
 
 def name_of_number(number):
+    """Return (name, its last line that moves) of a program's number; ("", 0) if it is not known."""
     kept = _read_kept().get(f"{number:08x}")
     if not isinstance(kept, list) or len(kept) != 2 or not isinstance(kept[0], str) or not isinstance(kept[1], int):
         return "", 0

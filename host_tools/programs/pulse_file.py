@@ -147,6 +147,8 @@ class Converter:
         return "".join(text)
 
     def _put_command(self, number, line, command):
+        """Append the text of one command of line `number`: a motion with its tool and speed, a dwell in whole ms, a pause as `+0`. Raises Failure if
+        a pulse file has no word for it."""
         from passo import commands
 
         kind = command.kind
@@ -172,6 +174,7 @@ class Converter:
             self._parts.append("(" if on else ")")
 
     def _set_speed(self, number, line, command):
+        """Append a command's speed in mm/min, 1 to 900 000, if it is another one; `$` for a rapid. Raises Failure with G93."""
         if command.per_min:
             raise Failure("line {}: {}: inverse time (G93) has no place in a pulse file", number, line.decode())
         speed = max(round(command.feed * 60 / 1_000_000), 1) if command.feed else 0
@@ -180,6 +183,7 @@ class Converter:
             self._parts.append(f"+{min(speed, 900_000)}" if speed else "$")
 
     def _put_walk(self, number, line, command, arc):
+        """Append the letters of a line's or an arc's steps, as the firmware's walkers make them. Raises Failure if they refuse it."""
         deltas = [to - at for at, to in zip(self.target, command.target)]
         letters = []
         try:

@@ -70,6 +70,7 @@ class _Writer:
         self.counts = {"lines": 0, "arcs": 0, "steps": 0}
 
     def add_item(self, kind, value):
+        """Append the lines of steps, or of a mark: tool on or off (a value of 0), wait in ms, drives, a question as M0, or a speed in mm/min."""
         from passo import commands
 
         if kind == "steps":
@@ -87,6 +88,7 @@ class _Writer:
             self._speed = {commands.STEPS_SPEED: value, commands.STEPS_DEFAULT: self._default}.get(kind)
 
     def _add_piece(self, piece):
+        """Append G0, G1 or an arc to the end of a piece, and count its steps. G0 if there is no speed in force."""
         self._at = [at + delta for at, delta in zip(self._at, piece.deltas)]
         self.counts["steps"] += piece.count
         self.counts["arcs" if piece.centre else "lines"] += 1
@@ -100,6 +102,7 @@ class _Writer:
             self._lines.append("G1" + words + self._feed_word(self._speed))
 
     def _add_arc(self, piece):
+        """Append G2 or G3, in mm, behind the word of its plane if that is another one. Without a speed in force the feed is 900 000 mm/min."""
         if piece.plane != self._plane:
             self._plane = piece.plane
             self._lines.append({(0, 1): "G17", (2, 0): "G18", (1, 2): "G19"}[piece.plane])
@@ -111,6 +114,7 @@ class _Writer:
         self._lines.append(("G2" if piece.clockwise else "G3") + words + centre + self._feed_word(speed))
 
     def _feed_word(self, speed):
+        """Return the F word of a speed in mm/min, "" if it is in force already."""
         if speed == self._written:
             return ""
         self._written = speed
@@ -135,6 +139,8 @@ class _Compensated(_Writer):
         self._travel = self._z = None  # lines with the last travel since the last contour, and the last move of Z
 
     def add_item(self, kind, value):
+        """Add steps or a mark: with the tool on, steps are collected as a contour, which is written when it goes off. Raises Failure at a wait or a
+        question for the speed amid a contour."""
         from passo import commands
 
         if kind == commands.STEPS_TOOL and value:
@@ -148,6 +154,8 @@ class _Compensated(_Writer):
             _Writer.add_item(self, kind, value)
 
     def _add_piece(self, piece):
+        """Add a line or an arc to the contour; outside of one it is a travel, of which the last position counts, or a move of Z. Raises Failure if Z
+        moves amid a contour."""
         from host_tools.programs import compensation
 
         start = self._tool_xy()
@@ -174,6 +182,7 @@ class _Compensated(_Writer):
         self._contour.append((compensation.Piece(start, self._tool_xy(), centre, piece.clockwise, whole), self._speed))
 
     def gcode_text(self):
+        """Write the contour under way, remove a last travel that leads nowhere, and return the G-code."""
         self._write_contour()  # the tool may be on to the last
         if self._travel is not None and (self._z is None or self._z < self._travel):
             del self._lines[self._travel]  # it leads nowhere
@@ -191,6 +200,8 @@ class _Compensated(_Writer):
         return complex(self._at[0] / self._scale[0], self._at[1] / self._scale[1])
 
     def _write_contour(self):
+        """Append the compensated contour, from M3 on, with the way to it in place of the last travel. Raises Failure if the tool does not fit, or
+        would cut into the contour."""
         from host_tools.programs import compensation
         from host_tools.programs.program_errors import ProgramError
         from host_tools.programs.toolpath import round_end

@@ -69,6 +69,8 @@ class _Maker:
         self._count += item >> 8
 
     def add_mark(self, text, stands):
+        """Add a code's text. `stands`: the machine stands there, so the steps before it are written as a run; other marks keep their place among the
+        steps."""
         if stands:
             self.write_run()
             self.parts.append(text + "\n")
@@ -87,6 +89,8 @@ class _Maker:
         self._items, self._marks, self._count = [], [], 0
 
     def _step_arrays(self):
+        """Return (moves, tops) of the steps collected: an array of steps × axes, each −1, 0 or 1, and the highest speed of each step in mm/s, 0 if it
+        has none."""
         from host_tools.programs.pulse_gcode import moves_of
 
         counts = [item >> 8 for item, _ in self._items]

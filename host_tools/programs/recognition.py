@@ -56,6 +56,7 @@ class _Finder:
         self._known = {}  # ends of lines, by their beginning
 
     def next_piece(self, at):
+        """Return the Piece that begins at step `at`: an arc if one longer than the line fits, else the line."""
         count, two = self._find_line(at)
         if self._arcs:
             found = self._find_arc(at, max(two, _LEAST_ARC))

@@ -208,6 +208,7 @@ class Replay:
         return [offsets.offset_of(system, axis) for system in range(SYSTEMS)], [places[axis] for places in offsets.homes.values()]
 
     def _index_of(self, number):
+        """Return the index of line `number` of the file, or of the next one that is sent. Raises Failure if the file ends before it."""
         for index, (known, _) in enumerate(self._lines):
             if known >= number:
                 return index
@@ -221,6 +222,7 @@ class Replay:
     # --- replaying
 
     def _interpret_line(self, index):
+        """Return the commands of the line at an index, by the firmware's parser. Raises RefusedLine if that refuses it, Failure at a $ line."""
         number, line = self._lines[index]
         if line.startswith(b"$"):
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
@@ -230,6 +232,8 @@ class Replay:
         return list(commands_of(self._gcode.commands))
 
     def _carry_out(self, index):
+        """Follow the line at an index: the target, and the highest position of the tool's axis, in steps. Raises Failure if it probes; as
+        _interpret_line()."""
         for command in self._interpret_line(index):
             if command.kind == commands.PROBE:
                 raise Failure("line {} probes: where it touched is not known; begin before it", self._lines[index][0])
@@ -246,6 +250,7 @@ class Replay:
         return made[0] if made[0].kind == commands.LINE or made[0].turns == 1 else None
 
     def _on_path(self, motion, start, place):
+        """True if `place` lies on a motion from `start`, all in steps, within _NEAR_STEPS: on the line, or on the arc's circle."""
         if motion.kind == commands.ARC:
             first, second = motion.first, motion.second
             scale = [self._machine.steps_per_mm[axis] for axis in (first, second)]
@@ -369,6 +374,8 @@ class Replay:
         return (self._highest or 0) / self._machine.steps_per_mm[TOOL_AXIS] + _CLEARANCE_MM
 
     def _offset_lines(self):
+        """Return the lines that reset the modes, choose the work system, and set the work offsets that differ from the machine's, and the tool's
+        length; in mm."""
         lines = ["G90G21G94G17G40G49M5M9", f"G{54 + self._gcode.system}", "G92.1"]
         for system in range(SYSTEMS):
             kept = [round(place * NM) for place in self._machine.systems.get(f"G{54 + system}", [0] * self._gcode.axes)]
@@ -380,6 +387,7 @@ class Replay:
         return lines
 
     def _shift_lines(self, place):
+        """Return the G92 that makes the offset of the program hold at `place` (steps), in mm; none if there is no such offset."""
         if not any(self._offsets.shift):
             return []
         words = "".join(
@@ -395,6 +403,8 @@ class Replay:
         return [f"M{code}" for bit, code in ((1, 8), (2, 7)) if self._gcode.coolant & bit]
 
     def _mode_lines(self):
+        """Return two lines that set units, G90 or G91, plane, G98 or G99, the kind of feed, and the motion's code with the feed in the program's unit
+        a minute."""
         gcode = self._gcode
         words = f"G{20 if gcode.inches else 21}G{90 if gcode.absolute else 91}G{gcode.plane}"
         words += f"G{98 if gcode.initial else 99}"

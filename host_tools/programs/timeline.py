@@ -28,6 +28,7 @@ def _event_texts():
 
 
 def _order_texts():
+    """Return {command of an order: its text for people}, in the language in force."""
     return {
         commands.HOLD: _("hold"), commands.RESUME: _("go on"), commands.DOOR: _("door, as an order"), commands.JOG_CANCEL: _("end of a jog"),
         commands.RESET: _("reset, Ctrl-X"), commands.STOP: _("stop, of another link"),

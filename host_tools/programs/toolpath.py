@@ -258,6 +258,7 @@ class Toolpath:
         self._add_stroke(code, source, False, points)
 
     def _feed_word(self, feed):
+        """Return the F word of a feed in mm/min, at most _FASTEST; "" if it is in force already."""
         feed = min(feed, _FASTEST)  # the machine goes as fast as it can, as with plain G-code
         if feed == self._feed:
             return ""

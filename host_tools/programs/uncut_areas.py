@@ -91,6 +91,7 @@ class UncutAreas:
 
 
 def _is_nearer(piece, area, radius):
+    """True if the way of the tool's centre along a piece comes nearer to an area than `radius` mm, by more than TOUCH; False without an area."""
     if area is None:
         return False
     way = shapely.LineString([(point.real, point.imag) for point in piece.chord_points()])

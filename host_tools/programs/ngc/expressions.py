@@ -31,6 +31,7 @@ def _modulo(a, b):
 
 
 def _power(a, b):
+    """Return a ** b. Raises ProgramError if there is no real result, or it is too large."""
     if a < 0 and b % 1 or a == 0 and b < 0:
         raise ProgramError(DOMAIN, "{:g} ** {:g}", a, b)
     try:
@@ -126,6 +127,7 @@ class Cursor:
         return value
 
     def _read_operand(self):
+        """Read a value without powers or operators: a number, a parameter, `[…]` or a function, each with a sign in front. Raises ProgramError."""
         char = self.peek()
         if char in ("+", "-") and self.text[self.at + 1 : self.at + 2] not in (*_DIGITS, ".", ""):
             self.at += 1
@@ -162,6 +164,7 @@ class Cursor:
         return values[0]
 
     def _read_number(self):
+        """Read a number with its sign; return a float. Raises ProgramError if there is none."""
         begin = self.at
         if self.peek() in ("+", "-") and not self.at_end():
             self.at += 1
@@ -192,6 +195,8 @@ class Cursor:
         return self._values.get(self.read_name())
 
     def _read_function(self):
+        """Read a function with its argument, ATAN[y]/[x] and EXISTS[#…] too; return its value, angles in degrees. Raises ProgramError if it is not
+        known, or has no value there."""
         if self.take_text("exists["):
             if not self.take_text("#"):
                 raise ProgramError(PARAMETER, "EXISTS[#<name>]")

@@ -69,6 +69,7 @@ class Flow:
     # --- reading
 
     def _load_file(self, name, text):
+        """Append the lines of a file, up to its second %, and match their labels. Raises ProgramError, which names file and line."""
         self.texts[name] = rows = text.splitlines()
         begin = len(self._lines)
         percent = False
@@ -88,6 +89,8 @@ class Flow:
         self._match_labels(begin)
 
     def _parse_line(self, source, words):
+        """Return the Line of a line's words. O and only a number or name is an empty line; the number is noted for M98. Raises ProgramError if there
+        is an O word without a keyword that is known."""
         found = _LABEL.match(words)
         if not found:
             return Line(source, words, "", "")
@@ -108,6 +111,7 @@ class Flow:
         return Line(source, rest[len(keyword) :], label, keyword)
 
     def _match_labels(self, begin):
+        """Match the O words of the lines from index `begin` on. Raises ProgramError if a label does not fit, or a block has no end."""
         open_parts = []
         for number in range(begin, len(self._lines)):
             line = self._lines[number]
@@ -120,6 +124,8 @@ class Flow:
             raise ProgramError(NO_END, "o{} {}", part.label, part.kind, place=self._lines[part.begin].source)
 
     def _match_line(self, number, line, open_parts):
+        """Match one O word with `open_parts`, the blocks around it, the innermost last: open, divide or close a block. Raises ProgramError if its
+        label does not fit."""
         keyword, label = line.keyword, line.label
         last = open_parts[-1] if open_parts else None
         fits = last is not None and last.label == label
@@ -206,6 +212,8 @@ class Flow:
             self._at, self._counts, *_ = self._calls.pop()
 
     def _enter_call(self, begin, times=None):
+        """Go on at line index `begin`, and note the way back. `times`: runs of a subprogram of M98; None: a subroutine of O words. Raises
+        ProgramError if DEEPEST calls are under way."""
         if len(self._calls) >= DEEPEST:
             raise ProgramError(DEPTH, "{} at most", DEEPEST)
         self._calls.append([self._at, self._counts, begin if times else None, times])
@@ -213,6 +221,7 @@ class Flow:
         self._at, self._counts = begin, {}
 
     def _value_of_line(self, line):
+        """Return the value behind an O word, a float. Raises ProgramError if there is none, or more than that."""
         cursor = Cursor(line.rest, self._values)
         value = cursor.read_value()
         if not cursor.at_end():
@@ -223,6 +232,8 @@ class Flow:
         self._at = part.end + 1
 
     def _do_call(self, number, line, part):
+        """Carry out a call: work out label and arguments, load the subroutine's file if it is not known yet, and go there. Raises ProgramError if
+        there is no such subroutine."""
         label = line.label
         if label[0] in "[#":
             label = f"{half_away(Cursor(label, self._values).read_value()):d}"
@@ -240,6 +251,7 @@ class Flow:
         self._values.enter_call(arguments)
 
     def _do_return(self, number, line, part):
+        """Carry out return or endsub: go back to the caller, with the value behind it or None. Raises ProgramError if no subroutine is under way."""
         value = self._value_of_line(line) if line.rest else None
         if not self._calls or self._calls[-1][2] is not None:
             raise ProgramError(LABEL, "o{} {} and no call", line.label, line.keyword)
@@ -250,6 +262,7 @@ class Flow:
     _do_endsub = _do_return
 
     def _do_if(self, number, line, part):
+        """Carry out an if: go to the first branch whose condition is not 0, or behind endif. Raises ProgramError with the place of the branch."""
         if self._value_of_line(line):
             return
         for branch in part.branches:
@@ -273,6 +286,8 @@ class Flow:
     _do_do = _do_endif
 
     def _do_while(self, number, line, part):
+        """Carry out a while. At a loop's begin leave the loop if the condition is 0; at the end of a do loop go back unless it is. Raises
+        ProgramError."""
         goes_on = self._value_of_line(line)
         if part.kind == "do":
             if goes_on:
@@ -286,6 +301,7 @@ class Flow:
         self._at = part.begin
 
     def _do_repeat(self, number, line, part):
+        """Note how often the loop runs, rounded to a whole number; skip it if that is 0 or less. Raises ProgramError."""
         count = half_away(self._value_of_line(line))
         self._counts[number] = count
         if count <= 0:

@@ -44,6 +44,7 @@ class Modes:
         self.words = {}  # of the line, as far as nothing has taken them
 
     def set_spindle(self, code):
+        """Carry out S, and M3, M4 or M5 by `code` 30, 40 or 50; None: S alone. Raises ProgramError if S is negative."""
         turned = self.words.pop("s", None)
         if turned is not None and turned < 0:
             raise ProgramError(RANGE, "S{:g}", turned)
@@ -61,6 +62,8 @@ class Modes:
         self.path.put_word(f"S{number_text(rpm, 3)} {spindle or 'M5'}")
 
     def set_tool(self, code):
+        """Carry out T, M6 (code 60) and M61 Q (610); tools are 0 to 255. Raises ProgramError if a number is out of range, or M6 comes amid
+        compensation."""
         if "t" in self.words:
             self.chosen = self.take_whole("t", 0, 255)
         if code == 60:
@@ -71,6 +74,8 @@ class Modes:
             self.tool = self.take_whole("q", 0, 255)
 
     def set_coolant(self, code, output):
+        """Carry out M7, M8 or M9 (`code` 70, 80, 90), and an output's code, ten times its M number: 660 waits for an input; all but M10 and M11 want
+        P, 0 to 9. Raises ProgramError."""
         if code is not None:
             self.path.put_word(f"M{code // 10}")
             self.coolant = {*self.coolant, f"M{code // 10}"} if code != 90 else set()
@@ -93,12 +98,15 @@ class Modes:
         self.path.put_word(f"M66 P{port} L{what}" + (f" Q{number_text(seconds)}" if what else ""))
 
     def put_dwell(self):
+        """Carry out G4: append a pause of P seconds. Raises ProgramError if P is missing or negative."""
         seconds = self.take_word("p")
         if seconds < 0:
             raise ProgramError(RANGE, "P{:g}", seconds)
         self.path.put_word(f"G4 P{number_text(seconds)}")
 
     def set_cutter(self, code):
+        """Carry out G40 (code 400), G41 and G42 by the tool table (410, 420), G41.1 and G42.1 by the diameter D (411, 421). Raises ProgramError if
+        the tool is not in the table."""
         if code == 400:
             self.path.uncompensate()
             return
@@ -116,6 +124,8 @@ class Modes:
         self.path.compensate(side if diameter >= 0 else -side, abs(diameter) / 2, self.plane)
 
     def set_length(self, code):
+        """Carry out G49, G43, G43.1 and G43.2 (codes 490, 430, 431, 432). Of a tool outside of the table only the board knows the length. Raises
+        ProgramError if G43.2 cannot be added up."""
         if code == 490:
             self.set_tool_length(0.0, "G49")
         elif code == 430:
@@ -139,6 +149,8 @@ class Modes:
         self.path.forget_axes((2,))
 
     def set_system(self, system):
+        """Choose a work system, `system` 54 to 59: its turn holds, and positions are not known until axes move. Raises ProgramError amid
+        compensation."""
         self.not_compensated(f"G{system}")
         self.path.put_word(f"G{system}")
         if system - 53 != self.system:
@@ -192,6 +204,8 @@ class Modes:
         return " ".join(AXES[axis] + number_text(value) for axis, value in positions.items())
 
     def _go_home(self, code):
+        """Carry out G28 or G30, `code`: by way of the position of the axis words, if there are any. Afterwards these axes' positions are not
+        known."""
         if not any(letter in self.words for letter in "xyza"):
             self.path.put_word(f"G{code}")
             self.path.forget_axes()
@@ -204,6 +218,8 @@ class Modes:
         self.path.forget_axes(axes)
 
     def _set_table(self):
+        """Carry out G10: L2 and L20 set a work system (P0: the one in force) and its turn, L1 the tool table. Raises ProgramError if there is another
+        L, or a number is out of range."""
         table = self.take_whole("l")
         if table in (1, 10, 11):
             self._set_tool_table(self.take_whole("p", 1, 255), table)
@@ -254,6 +270,8 @@ class Modes:
         positions[0], positions[1] = moved.real, moved.imag
 
     def _set_tool_table(self, tool, table):
+        """Carry out G10 L1: set length (Z) and radius (R) of a tool, in the program's unit; the one that is missing stays. Raises ProgramError of L10
+        and L11."""
         if table != 1:
             raise ProgramError(NOT_ON_BOARD, "G10 L{}: only the machine knows where it touches", table)
         old = self.tools.get(tool, Tool())

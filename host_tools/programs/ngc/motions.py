@@ -71,6 +71,8 @@ class Motions(Modes):
             self._put_line(self.take_target(), motion == 0)
 
     def _put_line(self, target, rapid):
+        """Append a straight line to `target`, mm of X, Y, Z, degrees of A; nothing if it has no axis. With G93 the feed stays inverse time if A moves
+        along with others. Raises ProgramError if there is no feed."""
         if target == [None] * 4:
             return
         if rapid:
@@ -104,6 +106,8 @@ class Motions(Modes):
         return max(feed, 0.001)
 
     def _move_machine(self, motion):
+        """Carry out G53 with G0 or G1 (`motion` 0 or 10): the board gets the line, and the axes' positions are not known afterwards. Raises
+        ProgramError with another motion, G91, G93 or compensation."""
         if motion not in (0, 10):
             raise ProgramError(NOT_ON_BOARD, "G53 goes with G0 and G1")
         self.not_compensated("G53")
@@ -117,6 +121,8 @@ class Motions(Modes):
         self.path.forget_axes(positions)
 
     def _put_probe(self, code):
+        """Carry out G38.2 to G38.5, `code` 382 to 385; the axes' positions are not known afterwards. Raises ProgramError if no axis is named, or amid
+        compensation or turned coordinates."""
         self.not_compensated("G38")
         if self.turned.get(self.system):
             raise ProgramError(NOT_ON_BOARD, "G38 in turned coordinates")
@@ -136,6 +142,8 @@ class Motions(Modes):
     # --- splines
 
     def _put_spline(self, code, leaving):
+        """Carry out G5, G5.1, G5.2 or G5.3 (`code` 50 to 53) as chords. `leaving`: the direction of the G5 before, mm, if I and J are missing. Raises
+        ProgramError outside of XY."""
         if self.plane != 17:
             raise ProgramError(PLANE, "splines")
         here = complex(self.path.position(0), self.path.position(1))
@@ -161,6 +169,7 @@ class Motions(Modes):
         return complex(self.take_word(first), self.take_word(second)) * self.scale
 
     def _spline_end(self, here):
+        """Take the axis words; return the end of a spline, x + y·j in mm. Raises ProgramError if it has Z, or neither X nor Y."""
         target = self.take_target()
         if target[2] is not None:
             raise ProgramError(RANGE, "splines lie in XY")
@@ -169,6 +178,8 @@ class Motions(Modes):
         return complex(*(old if new is None else new for old, new in zip((here.real, here.imag), target)))
 
     def _add_control(self, here):
+        """Carry out G5.2: add a control point of the weight P; without axis words set the weight of the last one. The first line sets the order, L, 2
+        to 10, by default 3. Raises ProgramError if a number is out of range."""
         weight = self.words.pop("p", 1.0)
         if weight <= 0:
             raise ProgramError(RANGE, "P{:g}", weight)
@@ -181,6 +192,7 @@ class Motions(Modes):
             self.nurbs[-1] = self.nurbs[-1][0], weight
 
     def _close_nurbs(self):
+        """Carry out G5.3: append the chords of the NURBS. Raises ProgramError if it was not begun, or has fewer points than its order."""
         points, self.nurbs = self.nurbs, None
         self.motion = 800
         if not points:
@@ -190,6 +202,8 @@ class Motions(Modes):
         self._follow_curve(*nurbs([point for point, _ in points], [weight for _, weight in points], self.order))
 
     def _follow_curve(self, curve, end):
+        """Append the chords of a function of 0 … `end`, at most _SPLINE_SAG_MM off, all at the feed of the whole length. Raises ProgramError if there
+        is no feed."""
         points = flatten_curve(curve, end, _SPLINE_SAG_MM)
         ends = [curve(0), *points]
         feed = self._feed_of(sum(abs(b - a) for a, b in zip(ends, points)))
@@ -199,6 +213,7 @@ class Motions(Modes):
     # --- arcs
 
     def _put_arc(self, clockwise):
+        """Carry out G2 or G3: an arc or helix by R, or I, J, K, of P turns. Raises ProgramError if words are missing, or no arc fits them."""
         first, second, third = PLANES[self.plane]
         begin = [self.path.position(first), self.path.position(second)]
         height = self.path.place[third]
@@ -232,6 +247,8 @@ class Motions(Modes):
     # --- canned cycles
 
     def _put_cycle(self, code):
+        """Carry out a canned cycle (`code`: ten times its G number) at L positions, in the plane in force; Z, R, P and Q hold until it ends. Raises
+        ProgramError if a word is missing or out of range, or there is no feed or spindle."""
         self.not_compensated("a canned cycle")
         if self.feed_mode == 930:
             raise ProgramError(NO_FEED, "a canned cycle with G93")

@@ -45,6 +45,8 @@ class SavedModes:
         return fields, bool(modes.path.contour), modes.system, modes.length, (modes.rpm, modes.spindle), modes.coolant
 
     def _restore_state(self, state):
+        """Go back to the state of _modal_state(), and append the words for it. Raises ProgramError if compensation would begin again, or the tool's
+        length was not the program's."""
         modes, path = self._modes, self._modes.path
         fields, compensated, system, length, turning, coolant = state
         if path.contour and not compensated:

@@ -13,6 +13,7 @@ def bezier(controls):
     """Return the Bézier curve of these control points, a function of 0 … 1 (de Casteljau)."""
 
     def point_at(share):
+        """Return the point, mm, at a share of 0 … 1 of the curve."""
         row = list(controls)
         while len(row) > 1:
             row = [a + (b - a) * share for a, b in zip(row, row[1:])]
@@ -29,6 +30,7 @@ def nurbs(controls, weights, order):
     weighted = [(control * weight, weight) for control, weight in zip(controls, weights)]
 
     def point_at(at):
+        """Return the point, mm, at the parameter `at`, 0 … n, by de Boor's algorithm with homogeneous coordinates."""
         span = min(int(at), count - 1) + order - 1
         row = weighted[span - order + 1 : span + 1]
         for level in range(1, order):  # de Boor
@@ -54,6 +56,8 @@ def flatten_curve(point, end, sag):
 
 
 def _halve_span(point, low, high, begin, last, sag, found, depth):
+    """Append the points behind `begin` of the span `low` … `high` to `found`: halve the span until its middle is at most `sag` mm off the chord, or
+    _DEEPEST times."""
     middle = (low + high) / 2
     half = point(middle)
     if depth == _DEEPEST or _distance_off(half, begin, last) <= sag:

@@ -40,6 +40,7 @@ class State:
         return self._numbered.get(name, 0.0)
 
     def set(self, name, value):
+        """Set a parameter, by number or name. Raises ProgramError if it is one that the interpreter itself has, or its number is out of range."""
         if name in self._told:
             raise ProgramError(PARAMETER, "#{} cannot be set", name if isinstance(name, int) else "<" + name + ">")
         if isinstance(name, int):

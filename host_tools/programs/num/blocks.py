@@ -89,6 +89,8 @@ class _Reader:
         self._depth = 0  # of functions inside each other
 
     def read_block(self):
+        """Return the Block of the text; variables get their values behind its last word. Raises ProgramError if a word is repeated, not known or
+        without a number."""
         block = Block()
         assigned = []
         while self._at < len(self._text):
@@ -127,6 +129,7 @@ class _Reader:
         assigned.append((number, self._read_expression()))
 
     def _read_condition(self):
+        """Return the truth of comparisons joined by & and !, from left to right; all are read. Raises ProgramError."""
         truth = self._read_comparison()
         while True:
             if self._take_text("&"):
@@ -137,6 +140,7 @@ class _Reader:
                 return truth
 
     def _read_comparison(self):
+        """Return the truth of one comparison of two expressions. Raises ProgramError if there is no comparison sign."""
         left = self._read_expression()
         for name, compare in _COMPARISONS.items():
             if self._take_text(name):
@@ -144,6 +148,8 @@ class _Reader:
         raise ProgramError(SYNTAX, "= < > <= >= or <> before {}", self._rest_text())
 
     def _read_expression(self):
+        """Return the value of an expression, from left to right, a float or the number of a variable. Raises ProgramError at * or / behind + or -,
+        and at a division by 0."""
         value = self._number_with_sign()
         added = False
         while True:
@@ -166,12 +172,15 @@ class _Reader:
                 return value
 
     def _number_with_sign(self):
+        """Return the value of a term with a sign or without one. Raises ProgramError."""
         if self._take_text("-"):
             return -self._read_term()
         self._take_text("+")
         return self._read_term()
 
     def _read_term(self):
+        """Return the value of a variable, a function or a number. Raises ProgramError if functions are nested too deeply, or there is no such root or
+        number."""
         if self._take_text("L"):
             return self._variables.get(self._read_whole())
         letter = self._rest_text()[0]
@@ -198,6 +207,7 @@ class _Reader:
         return whole_number(self._match_pattern(_WHOLE))
 
     def _match_pattern(self, pattern):
+        """Step over the text that a pattern matches here, and return it. Raises ProgramError if it does not match."""
         found = pattern.match(self._text, self._at)
         if not found:
             raise ProgramError(SYNTAX, "a number before {}", self._rest_text())
@@ -205,6 +215,7 @@ class _Reader:
         return found[0]
 
     def _take_text(self, text):
+        """Step over `text` if it comes next; return whether it did."""
         if not self._text.startswith(text, self._at):
             return False
         self._at += len(text)

@@ -113,6 +113,7 @@ class Interpreter:
         return self._words.pop(name, default)
 
     def _take_whole(self, name, default=None, most=99999):
+        """Take the value of a word as a whole number, 0 … `most`. Raises ProgramError if it is another one, or missing without a default."""
         value = self._take_word(name, default)
         if value % 1:
             raise ProgramError(WHOLE, "{}{:g}", name, value)
@@ -144,6 +145,7 @@ class Interpreter:
             self._flow.call_program(program, block.targets, times)
 
     def _stop_program(self, m):
+        """Carry out M00 and M01, a pause, and M02, the program's end, by the set of codes `m`."""
         if m & {0, 1}:
             self.path.put_word("M0" if 0 in m else "M1")
         if 2 in m:
@@ -154,6 +156,7 @@ class Interpreter:
     # --- modes
 
     def _set_modes(self, g):
+        """Set plane, unit, G90 or G91, motion, tool and compensation by the set of codes `g`. Raises ProgramError if the tool is not known."""
         for code in g & {17, 18, 19}:
             self._plane = code
         for code in g & {70, 71}:
@@ -180,12 +183,15 @@ class Interpreter:
         return self._tools[self._tool].radius
 
     def _put_dwell(self):
+        """Append a pause of F seconds. Raises ProgramError if F is missing, or not 0 to 99.99."""
         seconds = self._take_word("F")
         if not 0 <= seconds <= 99.99:
             raise ProgramError(RANGE, "F{:g}: seconds, 99.99 at most", seconds)
         self.path.put_word(f"G4 P{number_text(seconds)}")
 
     def _set_machine(self, m):
+        """Carry out T and M06, S in rpm, and the M codes of spindle, coolant and outputs, 3 to 5 and 7 to 11. Raises ProgramError if a number is out
+        of range, or M06 comes amid compensation."""
         if "T" in self._words:
             self._chosen = self._take_whole("T", most=255)
         if 6 in m:
@@ -220,6 +226,8 @@ class Interpreter:
     # --- motions
 
     def _put_motion(self, g):
+        """Append the block's motion, by the codes `g` or those in force: a cycle, an arc or a straight line; nothing without axis words. Raises
+        ProgramError if there is no feed."""
         words = self._words
         positions = any(name in words for name in _AXES)
         if g & {45, 81}:
@@ -245,6 +253,8 @@ class Interpreter:
         return position
 
     def _put_arc(self, clockwise):
+        """Append an arc by R, or I, J, K: positions with G90, from the start with G91. Raises ProgramError if there is no feed, words are missing, or
+        no arc fits."""
         if not self._feed:
             raise ProgramError(NO_FEED)
         first, second, _ = PLANES[self._plane]
@@ -273,6 +283,8 @@ class Interpreter:
     # --- cycles
 
     def _carry_out_cycle(self, clockwise):
+        """Carry out G81 or G45 at the block's position; ER, Z and a pocket's words hold until the cycle ends. Raises ProgramError outside of XY, or
+        if a word is missing or out of range."""
         if self._plane != 17:
             raise ProgramError(PLANE, "cycles")
         code, kept = self._cycle
@@ -306,6 +318,8 @@ class Interpreter:
             self._put_pocket(kept, position, above)
 
     def _put_pocket(self, kept, position, above):
+        """Append G45's pocket around `position`, from the height `above`, all in mm; feeds that are missing are F's. Raises ProgramError if the
+        pocket's size is missing or wrong, or there is no feed."""
         length, width, corner = (kept.get(name) for name in ("EX", "EY", "EB"))
         radius = self._tool_radius()
         if any(value is not None and value <= 0 for value in (length, width, corner)):

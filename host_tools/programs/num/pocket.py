@@ -66,6 +66,8 @@ class Pocket:
         return [min(self.half)] + [least + self.step * each for each in range(count - 1, -1, -1)]
 
     def _put_layer(self, path, start, level, loops, down, along):
+        """Append one layer at the height `level` mm: down at the feed `down`, the loops of these insets (mm) at the feed `along`, mm/min, and back to
+        `start`."""
         path.move_to([None, None, level], False, down)
         for inset in loops:
             self._put_loop(path, inset, along)
