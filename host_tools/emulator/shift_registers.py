@@ -42,7 +42,7 @@ class Chains:
             self._pico.drive_pin(self._in, self._loaded[0])
 
     def _on_clock(self, _, state):
-        """Shift both chains by one bit at the clock's rising edge; the 74HC165s load instead while the latch is low."""
+        """Shift the chains by one bit at the clock's rising edge, that of the 74HC165 only while the latch is high."""
         rising = state == 1 and self._clock == 0
         self._clock = state
         if not rising:

@@ -156,7 +156,7 @@ def edges_of(proof):
 
 
 def fastest(proof):
-    """Yield a row: three axes at FAST_HZ steps/s with 1 µs pulses; kept if all edges come in time. Left out for coils and the timer player."""
+    """Yield a row: all axes at FAST_HZ steps/s with 1 µs pulses; kept if all edges come in time. Left out for coils and the timer player."""
     if proof.raw["drive"]["kind"] != "step_dir" or proof.raw.get("player", "pio") == "timer":
         yield Row("fastest", _("three axes at their fastest"), _("not for coils, nor for the timer player"), verdict=LEFT_OUT)
         return
