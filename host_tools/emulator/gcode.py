@@ -121,8 +121,7 @@ def chords(length_mm):
 
 
 def raster(dot_mm):
-    """Return (the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks). Every seventh dot is dark.
-    Return (the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks). Every seventh dot is dark."""
+    """Return (the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks). Every seventh dot is dark."""
 
     def dots(sign, first, count):
         powers = [(dot * 397 % 999 + 1) if dot % 7 else 0 for dot in range(first, first + count)]

@@ -265,8 +265,7 @@ def _crossing_pair(middle, way, radius, height):
 
 
 def gouges(path, contour, radius):
-    """Return [(number in `path`, number in `contour`, distance in mm)] of the pieces that come nearer to each other than the radius. Needs shapely.
-    Return [(number in `path`, number in `contour`, distance in mm)] of the pieces that come nearer to each other than the radius. Needs shapely."""
+    """Return [(number in `path`, number in `contour`, distance in mm)] of the pieces that come nearer to each other than the radius. Needs shapely."""
     import numpy
     from shapely import LineString, STRtree, distance
 

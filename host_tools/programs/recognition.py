@@ -300,8 +300,7 @@ def fit_circle(points):
 
 
 def near_centres(centre, reach=None):
-    """Return whole centres around `centre` and along the radius, where a short arc says least; the nearest first. `reach`: how far along, in steps.
-    Return whole centres around `centre` and along the radius, where a short arc says least; the nearest first. `reach`: how far along, in steps."""
+    """Return whole centres around `centre` and along the radius, where a short arc says least; the nearest first. `reach`: how far along, in steps."""
     x, y = centre
     radius = max(float(np.hypot(x, y)), 1.0)
     found = {}

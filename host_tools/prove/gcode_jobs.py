@@ -136,8 +136,7 @@ def backlash_job():
 
 
 def table():
-    """Return a job of a rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals.
-    Return a job of a rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals."""
+    """Return a job of a rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals."""
     lines = ["G21 G90 G17 F900", "G0 X2 Y1 A-8", "M3 S1000", "G1 Z-0.3 A4 F300", "X4 A22 F600", "Y2.5 Z-0.6 A10", "A31 F3000", "A30.98"]
     lines += ["X%.3f A%.3f" % (4 + k / 40, 30 + 6 * sin(k / 3)) for k in range(25)]
     lines += ["G2 X5 Y2 R0.6", "G3 X6 Z-0.2 R0.8", "G93 G1 X5 A20 F60", "A26 F120", "G94 F400", "G92 A0", "G1 A5 X5.5", "G92.1"]
@@ -152,8 +151,7 @@ def belt():
 
 
 def short_backlash_job():
-    """Return backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone.
-    Return backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
+    """Return backlash_job() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
     lines = ["G21 G90 G17 F1200", "G0 X2 Y2 Z-1", "M3 S1000"]
     lines += ["X%.3f Y%.3f Z%.2f" % (2 + k / 8, 2 + k % 2 / 2, -1 - k % 3 / 10) for k in range(12)]
     lines[3] = "G1 " + lines[3]

@@ -16,8 +16,7 @@ _READABLE = (0x00, 0x01, 0x02, 0x06, 0x6C, 0x6F)
 
 
 def crc8(data):
-    """Return the CRC of a telegram, bit by bit, as a shift register has it: x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 datasheet, 4.2).
-    Return the CRC of a telegram, bit by bit, as a shift register has it: x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 datasheet, 4.2)."""
+    """Return the CRC of a telegram, bit by bit, as a shift register has it: x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 datasheet, 4.2)."""
     register = [0] * 8
     for byte in data:
         for bit in range(8):
