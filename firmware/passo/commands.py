@@ -12,17 +12,14 @@ from micropython import const
 BAD = const(0)  # `error`: why the bytes were no command
 HELLO = const(1)  # is the controller there?
 STATUS = const(2)  # state, last error, position
-
 # Of every machine.
 STOP = const(3)  # stop now, tool off, drop what was stored
 HOME = const(4)
-
 # Drawings, whose points are stored.
 SPEED = const(5)  # `value`: drawing speed, in the unit of the board file
 POINT = const(6)  # `target` in steps from the origin, `tool`: append to the stored object
 DRAW = const(7)  # draw the stored object to its end, then clear it
 JOG = const(8)  # `target`: direction of each axis, −1, 0 or +1; the distance is the board file's
-
 # Motion and waits, one behind the other.
 LINE = const(9)  # to `target` at `feed`
 ARC = const(10)  # to `target` at `feed`, about a centre: see Motion
@@ -30,11 +27,9 @@ JOG_TO = const(11)  # as LINE, only from rest or behind another jog; JOG_CANCEL 
 PROBE = const(12)  # as LINE, until the probe changes; `value`: bit 0 until contact is lost, bit 1 a miss is no alarm
 DWELL = const(13)  # `value` microseconds after everything before it has ended; 0: only that
 PAUSE = const(14)  # everything before it ends, then the machine waits for RESUME; `value`: 1 + the tool to be put in, or 0
-
 # Outputs, in their turn.
 SPINDLE = const(15)  # `value`: 3 clockwise, 4 counter-clockwise, 5 off; `power` in millionths of the most, `tool`: lit now
 COOLANT = const(16)  # `value`: bit 0 flood, bit 1 mist
-
 # At any moment.
 HOLD = const(17)  # come to a stand on the path
 RESUME = const(18)  # go on after HOLD, PAUSE or DOOR
@@ -46,38 +41,30 @@ OVERRIDE = const(23)  # `value`: one of FEED … ALL below, `power`: the percent
 TOGGLE = const(24)  # while moving: `value` as COOLANT, toggled; SPINDLE_STOP in a hold
 CHECK = const(25)  # `value` 1: commands are only checked from now on; 0: they are carried out again
 SLEEP = const(26)  # everything off until RESET
-
 # Of the link.
 SYNC = const(27)  # an answer only, once everything before it has ended
 HAND_OVER = const(28)  # `value`: the link that may command from now on, the board file's first is 1; 0: this one
-
 # Axes on their own, and the controller of the motors.
 RUN = const(29)  # axes run on their own from now on: see Run
 REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.unpowered
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
-
 # Settings and counts.
 STILL = const(33)  # accepted at a stand, else refused as BUSY; `value`: (steps, steps/s) of a jog of each axis, which are kept, or 0
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 SETTING = const(35)  # `target`: its number, None: which there are; `value`: in thousandths, None: tell it, or `tool`: as the board file has it
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
-
 # Weaving.
 WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on, a spec of options/weaving/motion.py; None: not at all
 SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
-
 # Of the network.
 ADMIT = const(39)  # `value` minutes: programs without a key may move the machine over the network, if the board file allows that
-
 # Step programs.
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
-
 # Stored jobs, and their journal.
 JOB = const(50)  # a stored job: `value` is one of JOB_RUN …, `target` its name or what else it needs
 JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
-
 # Lines of G-code that features bring.
 CODE = const(1000)  # + 62: M62, as the line of G-code says it: `value` is its number, see protocols/gcode/codes.py; M66: `power` is L, `feed` Q in ms
 

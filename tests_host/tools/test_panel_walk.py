@@ -113,7 +113,7 @@ def walk(tmp_path_factory, driver):
             listed, used = page.listed(), used | page.noted()
             seen = [row for row in page.driver.execute_script("return window.seen") if row[0] > homed]
     rows = panel.trace()
-    with PanelProcess(folder) as panel, Walker(panel, driver) as page:
+    with PanelProcess(folder, "--boards", str(folder / "own")) as panel, Walker(panel, driver) as page:
         other_machine(page)
         listed, used = listed | page.listed(), used | page.noted()
     return listed, used, seen, rows, end
@@ -424,6 +424,10 @@ def looks(page, folder):
 
 
 def other_machine(page):
+    page.tap("#card-board summary")
+    page.type("board-as", "mine")  # test_panel_boards.py changes it
+    page.click("board-new")
+    page.until(lambda: page.driver.execute_script("return document.getElementById('machines').value") == "mine.py")
     page.choose("machines", "router_esp32")
     page.tap("#machines")
     page.tap("#h-place")
