@@ -424,6 +424,7 @@ def looks(page, folder):
 
 
 def other_machine(page):
+    page.tap("#card-panel summary")
     page.tap("#card-board summary")
     page.type("board-as", "mine")  # test_panel_boards.py changes it
     page.click("board-new")
