@@ -116,7 +116,7 @@ def _short_globals(module, taken):
 def _add_imported_names(modules, short):
     """Add to `short`, {path: {name: short name}}, public functions and classes of a module that it and its importers use by their bare name only. A
     name gets one short name in all of them."""
-    paths = {path.removesuffix(".py").removesuffix("/__init__").replace("/", "."): path for path in modules}
+    paths = _paths_of_modules(modules)
     seen_in = {(path, name): [path] for path, module in modules.items() for name in _public_names(module)}
     for path, module in modules.items():
         for node in module.nodes:
@@ -169,9 +169,14 @@ def _names_used_otherwise(module):
     return found
 
 
+def _paths_of_modules(paths):
+    """Return {module's name: path}."""
+    return {path.removesuffix(".py").removesuffix("/__init__").replace("/", "."): path for path in paths}
+
+
 def _modules_that_share_objects(modules):
     """Return {path: modules, itself included, whose classes may be those of one object, through inheritance}."""
-    paths = {path.removesuffix(".py").replace("/", "."): path for path in modules}
+    paths = _paths_of_modules(modules)
     lines = {path: {path} for path in modules}  # a module, and those that its classes are derived from
     for path, module in modules.items():
         known = {}  # local name: the module that it is, or is from

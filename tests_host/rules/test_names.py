@@ -26,7 +26,7 @@ INTERFACES = set("""
 """.split())  # fmt: skip
 
 PARTICIPLES = set("""
-    asked begun borne bought bound brought built caught chosen drawn fed found given gone grown heard held hidden kept known laid led left lent lost
+    asked begun borne bought bound brought built caught chosen drawn fed found given gone grown heard held hidden kept known laid left lent lost
     made meant met paid said seen sent shown shrunk spent spoken stood taken thought thrown told wanted won worn torn written
 """.split())  # fmt: skip
 NO_PARTICIPLES = {"embed", "feed", "heed", "led", "need", "red", "seed", "shed", "speed"}  # they end in -ed

@@ -312,7 +312,7 @@ def _check_bits(board):
 
 
 def _check_filters(board):
-    """Raise BoardError if filter_us stands at an input that halts or is no limit. The interlock filters its own."""
+    """Raise BoardError if an input has filter_us that halts the machine, or that is no limit. The interlock has a filter of its own."""
     if "veto" in getattr(board.get("additions"), "parts", ()):  # which filters inputs of its own
         return
     sensors = list(board["homing"]["sensors"].values()) if board["homing"] else []

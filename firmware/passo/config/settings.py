@@ -202,7 +202,7 @@ class Settings:
         return dict(self._changed), dict(self._texts), self.dirty
 
     def save(self, before=None):
-        """Write what has changed. Only while the machine stands still. Returns 0, or MEMORY: then all counts again as in the snapshot
+        """Write changed settings and texts, while the machine stands still. Returns 0, or MEMORY: then all counts again as in the snapshot
         `before`, if there is one."""
         if self.dirty:
             try:
