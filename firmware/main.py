@@ -67,9 +67,9 @@ def check_board(board):
 
 def import_all(board):
     """Save the black box left by a reset, then import all modules that the board wants."""
-    keep = getattr(board.get("additions"), "keep", None)
-    if keep:  # a black box that a reset has left, before its memory is used anew
-        __import__(keep[0], None, None, ("save_left_box",)).save_left_box(*keep[1:])
+    box = getattr(board.get("additions"), "box", None)
+    if box:  # a black box that a reset has left, before its memory is used anew
+        __import__(box[0], None, None, ("save_left_box",)).save_left_box(*box[1:])
     from passo.machine_builder import load_all
 
     load_all(board)

@@ -382,7 +382,7 @@ def check_store_with_little_memory(capacity, pieces, work):
         first = last = 0
         for filled, taken in work + [(1, 9999)]:
             while filled:
-                places = store.reserve()
+                places = store.free_rows()
                 if places is None:
                     break
                 data, at, room = places

@@ -99,7 +99,7 @@ def check_the_store(seed, capacity):
     random = Random(seed)
     plain, short = PointBuffer(capacity), PointBuffer(capacity)
     for _ in range(20):
-        piece = short.reserve()
+        piece = short.free_rows()
         assert (piece is None) == (plain.free() == 0)
         count = random.between(0, piece[2]) if piece else 0
         for at in range(count):

@@ -43,7 +43,7 @@ class Additions:
         self.motor_pins = 2  # of each motor: STEP and DIR, or coils
         self.stalls = ""  # names of the axes that home by stall
         self.drives = None  # the board file's section with `motors`, of chips that are set up over a wire
-        self.keep = None  # (module, arguments) of a keep() that is called at the start, before memory that a reset has left is used anew
+        self.box = None  # (module, arguments) of a save_left_box() that is called at the start, before memory that a reset has left is used anew
 
     def add_languages(self, start, languages):
         """Add a module for each of these languages; `start`: of their names."""

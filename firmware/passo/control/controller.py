@@ -254,7 +254,7 @@ class Controller:
         if machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED  # as a reset does: not every language has one
         machine.abort()
-        machine.forget()
+        machine.drop_work()
         machine.tell(Event(DROPPED, None, errors.STOPPED, command))
         self.queue.lift()
         self.queue.flush()

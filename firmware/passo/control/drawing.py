@@ -106,10 +106,10 @@ class Drawing(Feature):
         machine = self._machine
         if machine.command is not None or machine.active or machine.commander != batch.link or machine.unready():
             return False
-        reserved = self.points.reserve()
-        if reserved is None:
+        rows = self.points.free_rows()
+        if rows is None:
             return False
-        batch.data, batch.offset, batch.room = reserved
+        batch.data, batch.offset, batch.room = rows
         if self._travel_of != machine.settings.version:
             self._travel_of = machine.settings.version
             self._travel = self._queue.reach(0)[1], self._queue.reach(1)[1]

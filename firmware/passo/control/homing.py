@@ -40,8 +40,8 @@ class Seeker:
         self.steps_s = 1
         self.done = False
 
-    def keep(self, number):
-        """Keep the position at which sensor `number` changed."""
+    def note_edge(self, number):
+        """Note the position at which sensor `number` changed."""
         self.edges[number] = self.sensors[number].edge
 
     def has_reached(self, active):
@@ -253,7 +253,7 @@ class Homing(Feature):
     def _pull_off(self, seeker):
         """Phases 3 and 6: go to one pull-off from the edge found last, at the seek speed."""
         self.until(None)
-        seeker.keep(seeker.tripped)
+        seeker.note_edge(seeker.tripped)
         self.way(seeker, seeker.pull_off_steps - self.steps_from_edge(seeker, seeker.tripped), seeker.seek_steps_s)
 
     def _locate_edge(self, seeker):

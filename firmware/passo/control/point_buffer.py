@@ -50,7 +50,7 @@ class PointBuffer:
         data[at + 4] = y & 255
         self.count += 1
 
-    def reserve(self):
+    def free_rows(self):
         """Return (bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
         high byte first; `count` is to be raised by how many they were. None if there is no room."""
         room = self.capacity - self.count

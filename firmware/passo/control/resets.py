@@ -33,7 +33,7 @@ class Resets(Feature):
             machine.raise_alarm(alarm, None, ANEW)
         else:
             machine.abort()
-            machine.forget(ANEW)
+            machine.drop_work(ANEW)
         machine.announce_restart(command)
         return machine.confirm_command(command)
 

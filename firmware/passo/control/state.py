@@ -277,7 +277,7 @@ class MachineState:
         if self.hold or self.dropping:
             self.end_hold()
 
-    def forget(self, also=0):
+    def drop_work(self, also=0):
         """Drop all work, begun or waiting. The caller drops the queue. `also`: further masks for on_events()."""
         self.inform(WORK_GONE | also)
         self.drawing = self.jogging = self.active = self.fresh = False
@@ -287,7 +287,7 @@ class MachineState:
     def hand_over(self, number):
         """Give the command to link `number`: drop all work, switch the tool off."""
         self.commander = number
-        self.forget(HANDED_OVER)
+        self.drop_work(HANDED_OVER)
 
     def lose_position(self):
         """Mark the position as unknown: no axis is homed, and the journal's count is no longer whole."""
@@ -327,7 +327,7 @@ class MachineState:
         """Stop at once, forget all work, outputs safe, no current, unless motors keep their `current`. The position is no longer known."""
         self.abort()
         self.lose_position()
-        self.forget(SAFE | also)
+        self.drop_work(SAFE | also)
         if not current:
             self.motors.release()
 
@@ -337,7 +337,7 @@ class MachineState:
         if number in errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
-            self.forget(also)
+            self.drop_work(also)
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):
             self.shut_down(also | OFF, True)

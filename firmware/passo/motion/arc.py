@@ -43,7 +43,7 @@ class Plans:
         self.oldest = -1
         self.used = False
 
-    def keep(self, number):
+    def store(self, number):
         """Copy `plan` to the next slot, for the block of this number. Returns the index in `plans` where the copy begins."""
         slot = self._next
         self.used = True

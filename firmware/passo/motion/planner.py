@@ -262,7 +262,7 @@ class Planner:
             refuse(-1)
         if queued:
             number = self.indices[QUEUE_ADDED]
-            self._walkers[number % QUEUE_SIZE] = self._arcs.keep(number)
+            self._walkers[number % QUEUE_SIZE] = self._arcs.store(number)
             self.indices[QUEUE_ARC] = self._arcs.oldest
             self._add(at, KIND_ARC, tool, tag)
             if not room(self.indices):

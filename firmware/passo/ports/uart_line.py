@@ -35,8 +35,8 @@ class UartLine:
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
 
-    def keep(self, capture):
-        """`capture` keeps what comes while flash is written."""
+    def use_capture(self, capture):
+        """Let `capture` take what comes while flash is written."""
         self._capture = capture
 
     def writing(self, on):

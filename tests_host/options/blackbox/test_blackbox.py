@@ -93,7 +93,7 @@ def test_a_step_more_or_less_is_found(monkeypatch):
 def test_it_is_off_unless_asked_for_and_off_by_a_word():
     assert check(boards.load("router_3axis")).get("blackbox") is None
     board = check({**copy.deepcopy(boards.load("router_3axis")), "blackbox": False})
-    assert "blackbox" not in board["additions"].features and not board["additions"].keep
+    assert "blackbox" not in board["additions"].features and not board["additions"].box
 
 
 def test_the_text_slides_and_the_newest_is_kept():

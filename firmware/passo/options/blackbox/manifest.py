@@ -14,4 +14,4 @@ def check(board):
         board["additions"].features["links"] = "passo.options.blackbox.control", "Links"
         if board["chip"][:2] == "rp":
             sizes = 4 * BOX_NUMBERS, BOX_TEXT, 4 * BOX_ADDED, 4 * BOX_WRITTEN
-            board["additions"].keep = ("passo.options.blackbox.port_rp2", write_box, BOX_MAGIC_0, BOX_MAGIC_1) + sizes
+            board["additions"].box = ("passo.options.blackbox.port_rp2", write_box, BOX_MAGIC_0, BOX_MAGIC_1) + sizes

@@ -43,7 +43,7 @@ export class JobFacts {
     this.tell();
   }
 
-  forget() { this.about = {}; this.tell(); }
+  clear() { this.about = {}; this.tell(); }
 
   tell() {
     this.known(this.about);

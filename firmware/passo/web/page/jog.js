@@ -33,10 +33,10 @@ export class Jog {
         this.refused(answer.error);
       }
     });
-    held.timer = setInterval(() => this.keep(held), KEEP_MS);
+    held.timer = setInterval(() => this.renew(held), KEEP_MS);
   }
 
-  keep(held) {
+  renew(held) {
     if (this.held !== held) return;
     this.link.order({ do: "keep", lease: held.lease, beat: this.state().beat }).then((answer) => {
       if (answer.error && this.held === held) this.drop();

@@ -17,7 +17,7 @@ export class OwnButtons {
     Object.assign(this, { order, ask, rest, stops });
     this.made = kept();
     this.runs = false;
-    $("own-form").onsubmit = (event) => { event.preventDefault(); this.keep($("own-name").value.trim(), $("own-lines").value); };
+    $("own-form").onsubmit = (event) => { event.preventDefault(); this.set($("own-name").value.trim(), $("own-lines").value); };
     this.show();
   }
 
@@ -26,7 +26,7 @@ export class OwnButtons {
     this.show();
   }
 
-  keep(name, text) {
+  set(name, text) {
     const lines = text.split("\n").map((line) => line.trim()).filter(Boolean).slice(0, MOST_LINES);
     if (!name) return;
     this.made = this.made.filter((each) => each.name !== name);

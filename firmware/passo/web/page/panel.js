@@ -525,7 +525,7 @@ async function load() {
   const name = $("jobs").value;
   const mine = { name, text: "", lines: [], language };
   job = mine;
-  facts.forget();
+  facts.clear();
   if (name) put("job", name);
   $("run-name").textContent = name;
   enable();
@@ -684,7 +684,7 @@ $("round").onclick = async () => {
 };
 $("key-form").onsubmit = (event) => {
   event.preventDefault();
-  keep($("key").value);
+  storeKey($("key").value);
   useKey();
 };
 $("goto-form").onsubmit = (event) => {
@@ -725,7 +725,7 @@ $("machine").onclick = async () => {
 // Milliseconds between reports; 0: only changes.
 function refresh() { return Number($("refresh").value); }
 
-function keep(text) {
+function storeKey(text) {
   link.key = text.toUpperCase().replace(/[^A-Z0-9]/g, "");
   try { sessionStorage.setItem("key", link.key); } catch { /* a page without storage asks again */ }
 }
@@ -765,7 +765,7 @@ $("refresh").onchange = () => { put("refresh", $("refresh").value); link.look(re
 
 const given = /[#&]key=([A-Za-z0-9-]+)/.exec(location.hash);
 if (given) {
-  keep(given[1]);
+  storeKey(given[1]);
   history.replaceState(null, "", location.pathname + location.search);
 } else {
   try { link.key = sessionStorage.getItem("key") || ""; } catch { /* asked for */ }

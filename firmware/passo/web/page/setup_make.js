@@ -48,7 +48,7 @@ class HeightMap {
     this.go = button(_("Touch the points"), () => this.probe(), "go whole");
     this.jobs = make("select", { "aria-label": _("Job that follows the map") });
     this.level = button(_("Make the job follow the map"), () => this.follow());
-    this.drop = button(_("Forget the map"), () => this.forget(), "danger");
+    this.drop = button(_("Forget the map"), () => this.dropMap(), "danger");
     Object.assign(this.go, { id: "map-probe" });
     Object.assign(this.level, { id: "map-level" });
     this.node = make("div", {}, note(_("Set zero of the work first, Z by a touch. The map says how much higher or lower the work lies at each point than there. It stays as long as the panel runs; with another tool set zero of Z at the same place.")),
@@ -68,7 +68,7 @@ class HeightMap {
     this.draw();
   }
 
-  async forget() {
+  async dropMap() {
     if (!(await this.setup.page.order("map", { what: "drop" })).error) this.get();
   }
 
