@@ -33,10 +33,6 @@ SETTING_REPORT = const(10)  # this and the next seven: settings that languages a
 SETTING_INCHES = const(13)
 SETTING_MAX_RPM = const(30)
 SETTING_LASER = const(32)
-SETTING_PARKING = const(41)
-SETTING_PARKING_AXIS = const(42)
-SETTING_PARKING_TARGET = const(58)
-SETTING_PARKING_END = const(142)
 
 # A block, a line, arc or wait on its way from the planner to the feeder, as a row of Planner.rows, which begins at `row`: an object
 # with two dozen attributes would take twice the memory. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its

@@ -35,6 +35,7 @@ class Additions:
         self.languages = []  # names of modules whose extend(protocol, board) adds to a protocol of the language that ends their name
         self.extensions = {}  # the same modules, loaded, by language: see load_languages()
         self.motion = self.queue = None  # modules with its Planner and its Queue
+        self.one_belt = False  # the first two axes have the same steps/mm
         self.ports = ()  # of links that are no cable
         self.lines = None  # the module that makes the lines of all links, where some are no cable: see machine_builder.lines_of()
         self.parts = {}  # modules for parts of the port beside its pins, see ports/parts.py

@@ -53,7 +53,7 @@ class Settings:
         for add in more:
             add(board, self._table)
         additions = board.get("additions")
-        self._one_belt = additions and additions.motion and 160 not in additions.settings
+        self._one_belt = bool(additions) and additions.one_belt
         if additions:
             self._table.update(additions.settings)
             additions.value = self.value

@@ -14,6 +14,7 @@ def check(board):
         return
     additions = board["additions"]
     additions.motion, additions.queue = "passo.options.kinematics.motion", "passo.options.kinematics.control"
+    additions.one_belt = True
     unfit = [other for other in ("gantry", "encoders", "weaving", "step_program", "rotary") if board.get(other)]
     if unfit:
         raise BoardError("kinematics: remove %s: it wants a motor for each axis" % unfit[0])

@@ -13,10 +13,13 @@ from passo import commands
 from passo.control import pauses
 from passo.control.feature import QUEUE_GONE
 from passo.options.parking.steps import Detour
-from passo.records import ROW_TAG, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_TARGET
+from passo.records import ROW_TAG
 
+_PARKING = const(41)  # settings
+_AXIS = const(42)
 _PULL_OUT = const(56)
 _PULL_OUT_SPEED = const(57)
+_TARGET = const(58)
 _SPEED = const(59)
 # The kinds of the line under way:
 _PULLS = const(1)
@@ -81,17 +84,17 @@ class Pauses(pauses.Pauses):
         """Return True if the door holds the machine, and the axis has to go up from here."""
         machine = self._machine
         value = machine.settings.value
-        if machine.hold != "door" or not value(SETTING_PARKING) or not machine.homed or self._is_laser() or machine.busy_with(commands.PROBE):
+        if machine.hold != "door" or not value(_PARKING) or not machine.homed or self._is_laser() or machine.busy_with(commands.PROBE):
             return False
-        return self._axis_position() < self._steps_of(value(SETTING_PARKING_TARGET))
+        return self._axis_position() < self._steps_of(value(_TARGET))
 
     def _axis_position(self):
         """Return the position of the axis that parks, in steps."""
-        return self._queue.position()[self._machine.settings.value(SETTING_PARKING_AXIS)]
+        return self._queue.position()[self._machine.settings.value(_AXIS)]
 
     def _steps_of(self, um):
         """Return the steps of a machine coordinate of the axis, in µm, within its travel."""
-        axis = self._machine.settings.value(SETTING_PARKING_AXIS)
+        axis = self._machine.settings.value(_AXIS)
         low, high = self._queue.reach(axis)
         return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
 
@@ -109,8 +112,8 @@ class Pauses(pauses.Pauses):
             machine.away = True
             self._path = here
             self._power = self._queue.analogue.value
-            out = value(_PULL_OUT) * machine.steps_per_m[value(SETTING_PARKING_AXIS)] // 1_000_000
-            self._pulled = min(here + out, self._steps_of(value(SETTING_PARKING_TARGET)))
+            out = value(_PULL_OUT) * machine.steps_per_m[value(_AXIS)] // 1_000_000
+            self._pulled = min(here + out, self._steps_of(value(_TARGET)))
         if here < self._pulled:
             self._set_out(_PULLS, self._pulled, _PULL_OUT_SPEED, lit)
         else:
@@ -120,7 +123,7 @@ class Pauses(pauses.Pauses):
         """Switch spindle and coolant off, and go up to the target."""
         self._queue.rest(False)
         self._machine.show_outputs(False)
-        self._set_out(_RISES, self._steps_of(self._machine.settings.value(SETTING_PARKING_TARGET)), _SPEED, False)
+        self._set_out(_RISES, self._steps_of(self._machine.settings.value(_TARGET)), _SPEED, False)
 
     # --- and back
 
@@ -142,7 +145,7 @@ class Pauses(pauses.Pauses):
         """Begin a line to `goal`, a position of the axis in steps; `speed`: the number of the setting with its speed."""
         machine = self._machine
         queue = self._queue
-        axis = machine.settings.value(SETTING_PARKING_AXIS)
+        axis = machine.settings.value(_AXIS)
         deltas = [0] * len(machine.steps_per_m)
         deltas[axis] = goal - self._axis_position()
         self._way = way

@@ -28,6 +28,7 @@ def check(board):
     names = [axis["name"] for axis in board["axes"]]
     if config["axis"] not in names or not board["homing"] or config["axis"] not in board["homing"]["sensors"]:
         raise BoardError("parking: it wants an axis %s that homes" % config["axis"])
+    board["additions"].languages.append("passo.options.parking.language_grbl")
     board["additions"].features["pauses"] = "passo.options.parking.control", "Pauses"
     rules = {
         41: ("parking", 0, 1, 0, 1),

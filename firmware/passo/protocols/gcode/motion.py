@@ -110,7 +110,7 @@ class Motions(Reader):
         command.dynamic = self._dynamic
         return command
 
-    def _rotary_feed(self, target, feed):
+    def _angular_feed(self, target, feed):
         """Return the feed of a line whose F was given in G20: degrees a minute, not inches, if only the rotary axis moves."""
         return round_half_away(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
@@ -128,7 +128,7 @@ class Motions(Reader):
             return self._read_arc(motion == 200)
         target = self._read_target(machine_coordinates)
         if self.turns and self._inch_feed:
-            self._feed = self._rotary_feed(target, self._feed)
+            self._feed = self._angular_feed(target, self._feed)
         if motion > 300:
             if target == self.position:
                 raise Refused(errors.TARGET)

@@ -29,9 +29,7 @@ from passo.protocols.gcode.parse_viper import accept_line
 from passo.protocols.gcode.reader import MAX_LINE, MAX_TOOL, NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, N, S, T, round_half_away
 from passo.protocols.gcode.parse_records import *
-from passo.records import (
-    BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_END, SETTING_PARKING_TARGET,
-)  # fmt: skip
+from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
 
 # `fields`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -43,7 +41,7 @@ _ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; th
 
 
 class GCode(Motions):
-    retracts = False  # M2 and M30 may park
+    at_end = None  # an option's: at_end(gcode) appends the motion by which M2 and M30 begin
 
     def __init__(self, axes, offsets, machine):
         """`axes`: the names of the machine's axes in their order, the first of "xyza"."""
@@ -348,7 +346,7 @@ class GCode(Motions):
         self._set_shared(0, feed, 0, number, self.spindle, self.rpm)
         target = self._read_target(found[NON_MODAL] == 5300)
         if self.turns and self._inches:
-            feed = self._rotary_feed(target, feed)
+            feed = self._angular_feed(target, feed)
         if self._left:
             raise Refused(errors.WORDS_UNUSED)
         self._go_to(commands.JOG_TO, target, feed)
@@ -375,6 +373,11 @@ class GCode(Motions):
 
     # --- the rest of a line
 
+    def add_rapid(self, target):
+        """Append a rapid motion to `target`, nm, with the tool as it is: for an option. Raises Refused."""
+        self._set_shared(0, 0, 0, self.number, self.spindle, self.rpm)
+        self._go_to(commands.LINE, target, 0)
+
     def _spindle_command(self, spindle, rpm, motion):
         """Return the command SPINDLE: `spindle` 3, 4 or 5, `rpm` in thousandths."""
         command = Command(commands.SPINDLE, value=spindle)
@@ -384,20 +387,12 @@ class GCode(Motions):
         return command
 
     def _stop_programme(self, code):
-        """M0, M1, M2, M30. Of a board with `parking` and $142 the last two go up to the target, $58, before spindle and coolant go off; as
-        for the door only if $41 is set, the machine is homed, no laser, and the axis stands below the target."""
+        """M0, M1, M2, M30."""
         if code in (0, 100):
             self.commands.append(Command(commands.PAUSE))
             return
-        if self.retracts:
-            value = self.machine.settings.value
-            axis = value(SETTING_PARKING_AXIS)
-            height = value(SETTING_PARKING_TARGET) * 1000  # nm
-            target = list(self.position)
-            if value(SETTING_PARKING) and value(SETTING_PARKING_END) and self.machine.homed and not self.laser and target[axis] < height:
-                self._set_shared(0, 0, 0, self.number, self.spindle, self.rpm)
-                target[axis] = height
-                self._go_to(commands.LINE, target, 0)
+        if self.at_end:
+            self.at_end(self)
         self.motion = 100  # from here on M2 and M30 restore the modal state
         self.plane = 17
         self.absolute = self.per_minute = self.initial = self.ended = True

@@ -34,7 +34,7 @@ from passo.protocols.gcode.words import LONGEST, bare_line, longest_line, round_
 from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, ODD, Lines, buffer_bytes, mark_of, plain_text, real_time, what_acted
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, text_answer
-from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, SETTING_PARKING_END, TRACE_TAKEN
+from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, TRACE_TAKEN
 
 gc.collect()
 try:
@@ -95,7 +95,7 @@ class Grbl:
         self._start_line = None  # the line under way is a start-up line
 
     def _take_settings(self):
-        """Take laser, highest speed and parking from the settings."""
+        """Take laser and highest speed from the settings."""
         settings = self._settings
         self._version = settings.version
         laser = bool(settings.value(SETTING_LASER))
@@ -103,8 +103,6 @@ class Grbl:
             self.gcode.spindle = 5  # the machine has switched it off: the next motion must not start a spindle
         self.gcode.laser = laser
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
-        if settings.places(SETTING_PARKING_END) is not None:
-            self.gcode.retracts = True
         self.gcode.forget_position()
 
     # --- bytes to batches
