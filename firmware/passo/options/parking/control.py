@@ -12,15 +12,10 @@ from micropython import const
 from passo import commands
 from passo.control import pauses
 from passo.control.feature import QUEUE_GONE
+from passo.options.parking.config import AXIS, HEIGHT, ON, PULL_OUT, PULL_OUT_SPEED, SPEED
 from passo.options.parking.steps import Detour
 from passo.records import ROW_TAG
 
-_PARKING = const(41)  # settings
-_AXIS = const(42)
-_PULL_OUT = const(56)
-_PULL_OUT_SPEED = const(57)
-_TARGET = const(58)
-_SPEED = const(59)
 # The kinds of the line under way:
 _PULLS = const(1)
 _RISES = const(2)
@@ -84,17 +79,17 @@ class Pauses(pauses.Pauses):
         """Return True if the door holds the machine, and the axis has to go up from here."""
         machine = self._machine
         value = machine.settings.value
-        if machine.hold != "door" or not value(_PARKING) or not machine.homed or self._is_laser() or machine.busy_with(commands.PROBE):
+        if machine.hold != "door" or not value(ON) or not machine.homed or self._is_laser() or machine.busy_with(commands.PROBE):
             return False
-        return self._axis_position() < self._steps_of(value(_TARGET))
+        return self._axis_position() < self._steps_of(value(HEIGHT))
 
     def _axis_position(self):
         """Return the position of the axis that parks, in steps."""
-        return self._queue.position()[self._machine.settings.value(_AXIS)]
+        return self._queue.position()[self._machine.settings.value(AXIS)]
 
     def _steps_of(self, um):
         """Return the steps of a machine coordinate of the axis, in µm, within its travel."""
-        axis = self._machine.settings.value(_AXIS)
+        axis = self._machine.settings.value(AXIS)
         low, high = self._queue.reach(axis)
         return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
 
@@ -112,10 +107,10 @@ class Pauses(pauses.Pauses):
             machine.away = True
             self._path = here
             self._power = self._queue.analogue.value
-            out = value(_PULL_OUT) * machine.steps_per_m[value(_AXIS)] // 1_000_000
-            self._pulled = min(here + out, self._steps_of(value(_TARGET)))
+            out = value(PULL_OUT) * machine.steps_per_m[value(AXIS)] // 1_000_000
+            self._pulled = min(here + out, self._steps_of(value(HEIGHT)))
         if here < self._pulled:
-            self._set_out(_PULLS, self._pulled, _PULL_OUT_SPEED, lit)
+            self._set_out(_PULLS, self._pulled, PULL_OUT_SPEED, lit)
         else:
             self._rise_to_target()
 
@@ -123,21 +118,21 @@ class Pauses(pauses.Pauses):
         """Switch spindle and coolant off, and go up to the target."""
         self._queue.rest(False)
         self._machine.show_outputs(False)
-        self._set_out(_RISES, self._steps_of(self._machine.settings.value(_TARGET)), _SPEED, False)
+        self._set_out(_RISES, self._steps_of(self._machine.settings.value(HEIGHT)), SPEED, False)
 
     # --- and back
 
     def _switch_on(self):
         """Go down to where the axis was pulled out to, then switch on; see the base."""
         if self._machine.away:
-            self._set_out(_RETURNS, self._pulled, _SPEED, False)
+            self._set_out(_RETURNS, self._pulled, SPEED, False)
         else:
             pauses.Pauses._switch_on(self)
 
     def _go_on(self):
         """Plunge to the path, then go on; see the base."""
         if self._machine.away:
-            self._set_out(_PLUNGES, self._path, _PULL_OUT_SPEED, self._queue.lit())
+            self._set_out(_PLUNGES, self._path, PULL_OUT_SPEED, self._queue.lit())
         else:
             pauses.Pauses._go_on(self)
 
@@ -145,7 +140,7 @@ class Pauses(pauses.Pauses):
         """Begin a line to `goal`, a position of the axis in steps; `speed`: the number of the setting with its speed."""
         machine = self._machine
         queue = self._queue
-        axis = machine.settings.value(_AXIS)
+        axis = machine.settings.value(AXIS)
         deltas = [0] * len(machine.steps_per_m)
         deltas[axis] = goal - self._axis_position()
         self._way = way

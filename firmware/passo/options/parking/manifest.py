@@ -1,6 +1,7 @@
 """The key `parking`: the axis that goes up while the door is open, and at a program's end. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError, want_input
+from passo.options.parking.config import AT_END, AXIS, HEIGHT, ON, PULL_OUT, PULL_OUT_SPEED, SPEED
 
 HEAP_KB = 5  # of a Pico with stock MicroPython
 RULES = {
@@ -31,12 +32,12 @@ def check(board):
     board["additions"].languages.append("passo.options.parking.language_grbl")
     board["additions"].features["pauses"] = "passo.options.parking.control", "Pauses"
     rules = {
-        41: ("parking", 0, 1, 0, 1),
-        42: ("parking_axis", 0, names.index(config["axis"]), 0, min(len(names), 3) - 1),
-        56: ("parking_pull_out", 3, config["pull_out_mm"] * 1000, 0, 500_000),
-        57: ("parking_pull_out_speed", 3, config["pull_out_mm_min"] * 1000, 1, 100_000_000),
-        58: ("parking_target", 3, config["target_mm"] * 1000, -2_000_000, 2_000_000),
-        59: ("parking_speed", 3, config["mm_min"] * 1000, 1, 100_000_000),
-        142: ("parking_at_end", 0, 1 if config["at_end"] else 0, 0, 1),
+        ON: ("parking", 0, 1, 0, 1),
+        AXIS: ("parking_axis", 0, names.index(config["axis"]), 0, min(len(names), 3) - 1),
+        PULL_OUT: ("parking_pull_out", 3, config["pull_out_mm"] * 1000, 0, 500_000),
+        PULL_OUT_SPEED: ("parking_pull_out_speed", 3, config["pull_out_mm_min"] * 1000, 1, 100_000_000),
+        HEIGHT: ("parking_target", 3, config["target_mm"] * 1000, -2_000_000, 2_000_000),
+        SPEED: ("parking_speed", 3, config["mm_min"] * 1000, 1, 100_000_000),
+        AT_END: ("parking_at_end", 0, 1 if config["at_end"] else 0, 0, 1),
     }
     board["additions"].settings.update(rules)
