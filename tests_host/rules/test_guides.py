@@ -112,7 +112,10 @@ OLD = (
 ).split()
 
 
-@pytest.mark.parametrize("old", OLD)
+STEMS = {path.stem for path in PAGES}  # a page of an option goes with it
+
+
+@pytest.mark.parametrize("old", [old for old in OLD if Path(old).name in STEMS])
 def test_an_old_path_says_where_the_page_went(old):
     rows = dict(re.findall(r"^\| (docs/\S+) \| \[[^]]+\]\(([^)]+)\) \|$", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), re.MULTILINE))
     new = ROOT / "docs" / rows[f"docs/{old}.md"]

@@ -10,3 +10,7 @@ MEANINGS = {
     "card.miso": "Pin at the card's DO, with a pull-up resistor of 10 kΩ.",
     "card.cs": "Pin at the card's CS.",
 }
+PORTUGUESE = {
+    "card.{} of SPI {} is on pin {}, not {}": "card.{} do SPI {} fica no pino {}, e não {}",
+    "card: it is for stored jobs, and there is no key jobs": "card: é para trabalhos guardados, e não há chave jobs",
+}

@@ -26,4 +26,15 @@ MEANINGS = {
 STATUS = {"Dr": "drivers"}
 PORTUGUESE = {
     "drivers": "drivers",
+    "drivers.motors: every {} once, not {}": "drivers.motors: cada {} uma vez, e não {}",
+    "drivers.motors: stall: x and y share two motors: both or none": "drivers.motors: stall: x e y dividem dois motores: os dois ou nenhum",
+    "drivers: they want a step_dir drive": "drivers: eles precisam de um acionamento step_dir",
+    "drivers: {} belongs to {}; take another": "drivers: {} pertence a {}; use outra",
+    "{}: homing.order: it homes alone, not with {}": "{}: homing.order: busca a origem sozinho, e não com {}",
+    "{}: homing.sensors must name the input that its DIAG pin goes to": "{}: homing.sensors tem de nomear a entrada à qual vai o pino DIAG",
+    "{}: its pull_off_steps are {} at least, 16 full steps, not {}": "{}: pull_off_steps é no mínimo {}, 16 passos inteiros, e não {}",
+    "{}: microsteps are 1, 2, 4 … 256, not {}": "{}: micropassos são 1, 2, 4 … 256, e não {}",
+    "{}: not with an interlock, and not of a gantry": "{}: não com intertravamento, nem de um pórtico",
+    "{}: there is no such axis": "{}: não há esse eixo",
+    "{}: {} mA are too much for {} mΩ": "{}: {} mA são demais para {} mΩ",
 }

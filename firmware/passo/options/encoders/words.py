@@ -15,3 +15,8 @@ MEANINGS = {
     "encoders.index": "Name of the input of its index pulse, if it has one: log entry 143 if the encoder itself loses counts.",
     "encoders.settle_ms": "Time from the last step until a motor is at rest, and its error exact, ms. The largest counts for all.",
 }
+PORTUGUESE = {
+    "encoder {}: encoders want a step_dir drive": "encoder {}: encoders precisam de um acionamento step_dir",
+    "encoder {}: its PIO program wants B on the pin next to A, [{}, {}]": "encoder {}: seu programa PIO precisa de B no pino ao lado de A, [{}, {}]",
+    "encoders: {} has to be one of {}, each once": "encoders: {} tem de ser um de {}, cada um uma vez",
+}

@@ -13,3 +13,10 @@ MEANINGS = {
     "gantry.offset_steps": "How much farther from its sensor's edge the second side stands than the first when the gantry is square.",
     "gantry.rack_steps": "How far homing may move one side alone.",
 }
+PORTUGUESE = {
+    "encoders: those of a gantry have the same pulses and steps": "encoders: os de um pórtico têm os mesmos pulsos e passos",
+    "gantry.axis: there is no axis {}": "gantry.axis: não há eixo {}",
+    "gantry.offset_steps: no more than rack_steps": "gantry.offset_steps: no máximo rack_steps",
+    "gantry.sensor: axis {} has none of its own in homing.sensors": "gantry.sensor: o eixo {} não tem um próprio em homing.sensors",
+    "gantry: two motors on one axis want a step_dir drive, pins [STEP, DIR]": "gantry: dois motores em um eixo precisam de um acionamento step_dir, pins [STEP, DIR]",
+}

@@ -20,4 +20,16 @@ MEANINGS = {
 STATUS = {"Fb": "inputs that forbid"}
 PORTUGUESE = {
     "inputs that forbid": "entradas que proíbem",
+    "input {}: filter_us is for inputs that the interlock's rows name": "input {}: filter_us é para entradas que as linhas do intertravamento nomeiam",
+    "input {}: it halts at once: filter_us and halt exclude each other": "input {}: para a máquina na hora: filter_us e halt se excluem",
+    "interlock.limits: there is no direction {}; x+ is one": "interlock.limits: não há sentido {}; x+ é um",
+    "interlock.rows.{}: it asks for more than one thing": "interlock.rows.{}: pede mais de uma coisa",
+    "interlock.signals.{}: {} is no input, no output, and no axis's step or dir": "interlock.signals.{}: {} não é entrada, nem saída, nem step ou dir de um eixo",
+    "interlock.{}: names are wanted, in an interlock with texts behind them": "interlock.{}: nomes são esperados, em um intertravamento com textos atrás deles",
+    "interlock: its rows gate nothing": "interlock: suas linhas não controlam nada",
+    "interlock: no input lets {} be: it can never be on": "interlock: nenhuma entrada permite {}: nunca poderá ligar",
+    "{}: a sum of products is wanted, not {}": "{}: é esperada uma soma de produtos, e não {}",
+    "{}: {} and not {} in one product: it is never true": "{}: {} e não {} em um só produto: nunca é verdade",
+    "{}: {} is neither an input nor one of interlock.signals or interlock.elsewhere": "{}: {} não é entrada nem está em interlock.signals ou interlock.elsewhere",
+    "{}: {} is no name; sums of products are written a & !b | c": "{}: {} não é um nome; somas de produtos se escrevem a & !b | c",
 }

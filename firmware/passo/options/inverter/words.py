@@ -20,3 +20,7 @@ MEANINGS = {
     "inverter.at_speed_percent": "At this distance from S it is at speed.",
     "inverter.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
 }
+PORTUGUESE = {
+    "inverter: it sets the spindle's speed; leave out spindle.pwm and spindle.laser": "inverter: ele define a velocidade do fuso; omita spindle.pwm e spindle.laser",
+    "inverter: {} is link {}'s; take another": "inverter: {} é da ligação {}; use outra",
+}

@@ -9,3 +9,8 @@ MEANINGS = {
     "jobs.button": "Name of the job that the input `job` runs.",
     "jobs.start": "Name of the job that runs when the board is switched on. With homing its first line is `$H`.",
 }
+PORTUGUESE = {
+    "jobs.language: no link speaks {}": "jobs.language: nenhuma ligação fala {}",
+    "jobs.{}: capitals, digits, '.', '_' and '-', not {}": "jobs.{}: maiúsculas, algarismos, '.', '_' e '-', e não {}",
+    "links: {} is the link of stored jobs; take another name": "links: {} é a ligação dos trabalhos guardados; use outro nome",
+}

@@ -21,3 +21,15 @@ MEANINGS = {
     "network.broker_user": "The broker's user for this board; empty: none.",
     "network.broker_password": "That user's password.",
 }
+PORTUGUESE = {
+    "link {}: frames and lost are for cables": "link {}: frames e lost são para cabos",
+    "link {}: http is for the protocol torch": "link {}: http é para o protocolo torch",
+    "link {}: tcp is for the protocol grbl": "link {}: tcp é para o protocolo grbl",
+    "network.broker: an address such as 192.168.1.5, or 192.168.1.5:1884, not {}": "network.broker: um endereço como 192.168.1.5, ou 192.168.1.5:1884, e não {}",
+    "network.broker: the broker is told what pages are: a link on page is wanted": "network.broker: ao broker se diz o que se diz às páginas: é preciso uma ligação em page",
+    "network.broker: umqtt is not on this board: mpremote mip install umqtt.simple": "network.broker: umqtt não está nesta placa: mpremote mip install umqtt.simple",
+    "network.host: small letters, digits and - only, not {}": "network.host: só letras minúsculas, algarismos e -, e não {}",
+    "network: one link on http, one on page, and one on tcp, at most": "network: no máximo uma ligação em http, uma em page e uma em tcp",
+    "network: the first link is a cable": "network: a primeira ligação é um cabo",
+    "network: there is no page for {} on this board": "network: não há página para {} nesta placa",
+}

@@ -32,4 +32,7 @@ PORTUGUESE = {
     "parking: target, machine coordinate": "estacionamento: alvo, coordenada de máquina",
     "parking: speed to the target and back": "estacionamento: velocidade até o alvo e de volta",
     "parking at a program's end": "estacionamento no fim do programa",
+    "parking: it wants an axis {} that homes": "parking: precisa de um eixo {} que faça referência",
+    "parking: links that speak grbl, and no other, are wanted": "parking: precisa de ligações que falem grbl, e só delas",
+    "parking: remove {}: it parks one axis, by its own motor": "parking: remova {}: um eixo sobe pelo próprio motor",
 }

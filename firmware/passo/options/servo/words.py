@@ -14,3 +14,8 @@ MEANINGS = {
     "servo.down_ms": "Time from up to down; `tool.on_ms` is 20 ms more, or longer.",
     "servo.by_s": "S of G-code is the pressure: with `$30=1000`, `M3 S600` goes down 60 % of the way.",
 }
+PORTUGUESE = {
+    "servo.by_s: only links that speak grbl know S": "servo.by_s: só ligações que falam grbl conhecem S",
+    "servo: it is the tool; leave out spindle.pwm and spindle.laser": "servo: ele é a ferramenta; omita spindle.pwm e spindle.laser",
+    "tool.{}: the servo takes {} ms": "tool.{}: o servo leva {} ms",
+}

@@ -22,3 +22,6 @@ MEANINGS = {
     "spi_drivers.motors.stall": "Its axis homes by stall, on DIAG0 or DIAG1: SGT, −64 … 63, the lower the sooner. 64: it does not. See [drivers](../use/drivers.md#homing-by-stall-on-spi).",
     "spi_drivers.motors.stall_ma": "Current meanwhile. 0: `current_ma`.",
 }
+PORTUGUESE = {
+    "spi_drivers: not beside drivers, which are on a UART": "spi_drivers: não ao lado de drivers, que ficam em uma UART",
+}

@@ -13,3 +13,14 @@ MEANINGS = {
     "X pulse, X dir and tool appear; `-`: nowhere.",
     "step_program.port_invert": "Mask of the bits that appear inverted.",
 }
+PORTUGUESE = {
+    "axis {}: a step program wants 100 steps/m or more": "axis {}: um programa de pulsos precisa de 100 passos/m ou mais",
+    "step_program.interval_us: a pulse of {} µs, and as long without it, take more than {} µs": "step_program.interval_us: um pulso de {} µs, e o mesmo tempo sem ele, levam mais de {} µs",
+    "step_program.port_bits: each of 0 … 7 once at most, and - for none, not {}": "step_program.port_bits: cada um de 0 … 7 no máximo uma vez, e - para nenhum, e não {}",
+    "step_program.port_invert: {} is not within 0 … 255": "step_program.port_invert: {} não está dentro de 0 … 255",
+    "{}a bit is disabled on an RP2040 or RP2350 only": "{}um bit só pode ser desativado em um RP2040 ou RP2350",
+    "{}a parallel port has bits for one motor of each of three axes": "{}uma porta paralela tem bits para um motor de cada um de três eixos",
+    "{}eight different GPIOs are wanted, those of D0 to D7": "{}são esperados oito GPIOs diferentes, os de D0 a D7",
+    "{}the bits are those of STEP/DIR drivers": "{}os bits são os de acionamentos STEP/DIR",
+    "{}the tool and the axes have to be there, but for their pins": "{}a ferramenta e os eixos têm de estar lá, exceto seus pinos",
+}

@@ -26,4 +26,6 @@ PORTUGUESE = {
     "M6: how far down from the top to probe": "M6: até onde sondar, a partir do alto",
     "M6: speed up, to find the edge": "M6: velocidade de subida, para achar a borda",
     "M6: speed down, to touch": "M6: velocidade de descida, até tocar",
+    "tool_change.{}: whole mm within {} … {} on {}": "tool_change.{}: mm inteiros dentro de {} … {} em {}",
+    "tool_change: it wants axes x, y, z that home": "tool_change: precisa dos eixos x, y, z com busca da origem",
 }
