@@ -64,6 +64,14 @@ class Link:
         self.heard = False
         return heard
 
+    def add(self, command):
+        """Let a command wait behind others. Returns False if _WAITING do, or if it would be a jog behind a jog."""
+        waiting = self.waiting
+        if len(waiting) >= _WAITING or command.kind == JOG and waiting[-1].kind == JOG:
+            return False
+        waiting.append(command)
+        return True
+
     def note(self, number):
         """Add to the log, in this link's name."""
         self._log(number, self.name)
@@ -210,10 +218,21 @@ class App:
             if link.waiting:
                 self._go_on(link)
             data = link.serial.read()
-            if data or not link.keeps or link.protocol.pending():
-                commands = self._commands_in(link, data)
-                if commands:
-                    self._carry_out(commands, link)
+            if data:
+                self._heard |= _PART
+                link.heard = True
+            elif link.keeps and not link.protocol.pending():
+                continue
+            commands = b""
+            if link.batch and (link.keeps or data and not link.waiting):
+                commands = self._in_batches(link, data)
+                data = b""
+            if not commands:
+                commands = link.protocol.feed(data, self._now_ms)  # an iterable: each is to be answered before the next is asked for
+                if not data and self.interrupt and link.buffer_input and not isinstance(commands, tuple):
+                    commands = self._carry_out_between(commands, link)  # a chip takes milliseconds to read each line
+            if commands:
+                self._carry_out(commands, link)
         self._speaking = None
         return self._heard
 
@@ -298,19 +317,6 @@ class App:
             self._send_events()
             self._heard |= _WHOLE
 
-    @micropython.native
-    def _commands_in(self, link, data):
-        """Return an iterable of the commands in what the line brings: each is to be answered before the next is asked for."""
-        if data:
-            self._heard |= _PART
-            link.heard = True
-        if link.batch and (link.keeps or data and not link.waiting):
-            data = self._in_batches(link, data)
-        commands = link.protocol.feed(data, self._now_ms)
-        if data or not self.interrupt or not link.buffer_input or isinstance(commands, tuple):
-            return commands
-        return self._carry_out_between(commands, link)  # a chip takes milliseconds to read each line
-
     def _carry_out_between(self, commands, link):
         """Carry out the real-time bytes of `link` before, between and behind `commands`."""
         if link.serial.any():
@@ -320,14 +326,26 @@ class App:
             if link.serial.any():
                 self._take_early(link)
 
+    @micropython.native
     def _carry_out(self, commands, link):
-        """Give each command its link and begin it; STATUS is answered at once."""
+        """Begin each command: hand it to the controller, or let it wait behind those of its link. STATUS is answered at once. Refuses a command as
+        TOO_MANY_WAITING if _WAITING wait."""
         for command in commands:
             command.link = link
-            if command.kind == STATUS:
+            kind = command.kind
+            if kind == STATUS:
                 self._tell_status(command)
+                continue
+            if self._overruled and kind not in HARMLESS:
+                self.controller.refuse(command, self._overruled)
             else:
-                self._begin_command(command)
+                self._heard |= _WHOLE
+                if kind in IMMEDIATE or not link.waiting:
+                    if self.controller.accept(command) == LATER:
+                        link.waiting.append(command)
+                elif not link.add(command):
+                    self.controller.refuse(command, errors.TOO_MANY_WAITING)
+            self._send_events()
 
     def _tell_status(self, command):
         """Answer a question for the status directly: as an event the answer would take three calls more."""
@@ -344,55 +362,40 @@ class App:
         for asked in self.controller.asks:
             asked(link)
 
-    def _begin_command(self, command):
-        """Begin a command: hand it to the controller, or let it wait behind those of its link. Refuses it as TOO_MANY_WAITING if _WAITING wait."""
-        link = command.link
-        if self._overruled and command.kind not in HARMLESS:
-            self.controller.refuse(command, self._overruled)
-            self._send_events()
-            return
-        self._heard |= _WHOLE
-        if command.kind in IMMEDIATE or not link.waiting:
-            if self.controller.accept(command) == LATER:
-                link.waiting.append(command)
-        elif len(link.waiting) < _WAITING and not (command.kind == JOG and link.waiting[-1].kind == JOG):
-            link.waiting.append(command)
-        else:
-            self.controller.refuse(command, errors.TOO_MANY_WAITING)
-        self._send_events()
-
     @micropython.native
     def _in_batches(self, link, data):
         """Carry out in batches what comes most often in `data`, and in what comes while that is done: as long as there are
-        answers, and the machine may wait. Returns what is left for feed()."""
+        answers, and the machine may wait. Returns commands that have to be carried out before anything else, or b""."""
         take_batch = link.take_batch
         serial = link.serial
         now_ms = self._now_ms
-        moves = link.batch.moves
+        batch = link.batch
         more = _MORE
         while True:
             answers = take_batch(data, now_ms)
-            if answers:
-                if moves and not self.feeder.open and self.interrupt and not serial.any():
+            if not answers:  # this many reads at most: a serial line that is not read in time loses bytes
+                if not more or len(data) < _FULL and not (link.buffer_input and self.interrupt and serial.any()):
+                    break
+                more -= 1
+            elif isinstance(answers, bytes):
+                if batch.moves and not self.feeder.open and self.interrupt and not serial.any():
                     self._set_off(link)
                 serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     if self.interrupt and link.buffer_input and serial.any():  # `?` would wait for the batch's end and the other links
                         self._take_early(link)
                     break
-            elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or link.buffer_input and self.interrupt and serial.any())):
-                more -= 1  # see Grbl.take_batch(); this many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
-                if answers is False:
-                    self._carry_out(link.protocol.feed(b"", now_ms), link)
+            elif more and self.interrupt and isinstance(answers, tuple):
+                more -= 1  # a sender of `?` alone must not hold the machine up
+                self._carry_out(answers, link)
             else:
                 break
             data = serial.read()
-        batch = link.batch
         if batch.begun:
             batch.close(batch)
             if self.controller.queue.waiting:
                 self._heard |= _WHOLE | _LINES
-        return data if answers is None else b""
+        return b"" if isinstance(answers, bytes) else answers
 
     @micropython.native
     def _set_off(self, link):
@@ -401,28 +404,24 @@ class App:
         self.controller.queue.begin()
         self._make_words()
 
+    @micropython.native
     def _send_events(self):
-        """Tell the links all events. An answer may add further events."""
+        """Tell the links all events: answers to the link of their command, others to every link. An answer may add further events."""
         events = self.controller.machine.events
         while events:
             event = events.pop(0)
             if event.command is None:
-                self._send_to_all(event)
-                continue
-            link = event.command.link
-            if link:
+                if event.kind in (ALARM, DROPPED, RESTARTED):
+                    self._refuse_waiting(event)
+                for link in self.links:
+                    said = link.protocol.push_bytes(event)
+                    if said:
+                        link.serial.write(said)
+            elif event.command.link:
+                link = event.command.link
                 said = link.protocol.reply(event)
                 if said:
                     link.serial.write(said)
-
-    def _send_to_all(self, event):
-        """Send an event to every link."""
-        if event.kind in (ALARM, DROPPED, RESTARTED):
-            self._refuse_waiting(event)
-        for link in self.links:
-            said = link.protocol.push_bytes(event)
-            if said:
-                link.serial.write(said)
 
     # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
 

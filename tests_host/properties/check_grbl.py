@@ -1,7 +1,7 @@
 """The grbl link on the whole firmware: its lines, every `$`, every real-time byte, both flow controls."""
 
 from boards.router_3axis import BOARD
-from passo import errors
+from passo import commands, errors
 from passo.config.journal import MemorySlots
 from passo.protocols.grbl.lines import plain_text
 from passo.protocols.grbl.protocol import real_time
@@ -100,13 +100,11 @@ def check_a_question_ends_the_reading_of_lines():
     machine = Machine().ready()
     protocol = machine.app.links[0].protocol
     batch = protocol.batch
-    assert protocol.take_batch(b"G0X1\nG0X2?\n", 0) is False and not batch.begun
-    assert len(protocol.feed(b"", 0)) == 1
+    assert [command.kind for command in protocol.take_batch(b"G0X1\nG0X2?\n", 0)] == [commands.STATUS] and not batch.begun
     assert protocol.take_batch(b"", 0) == b"ok\r\n" * 2 and batch.begun
     assert protocol.take_batch(b"", 0) == b""
-    assert protocol.take_batch(b"?G0X3\n", 0) is False and batch.begun
+    assert [command.kind for command in protocol.take_batch(b"?G0X3\n", 0)] == [commands.STATUS] and batch.begun
     batch.close(batch)
-    assert len(protocol.feed(b"", 0)) == 1
     assert protocol.take_batch(b"", 0) == b"ok\r\n"
     batch.close(batch)
 

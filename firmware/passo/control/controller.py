@@ -12,7 +12,7 @@ rest is the features', which the board file and the languages of its links have 
 from passo import commands, errors
 from passo.commands import DROPPED, REFUSED, Event
 from passo.config.setting_numbers import SOFT_LIMITS
-from passo.control.feature import REFUSAL, overriding
+from passo.control.feature import REFUSAL, WORK_GONE, overriding
 from passo.control.links import OF_ANY_LINK
 from passo.records import COUNT_MASK, REST_MS
 
@@ -174,7 +174,11 @@ class Controller:
             machine.jogging = False
             if kind == commands.STOP:
                 machine.finish(machine.report())
-            self._save_settings(now_ms)
+            if self._stood_ms < 0:
+                self._stood_ms = now_ms
+                self._set_amid = machine.settings.dirty
+            if machine.settings.dirty:
+                self._save_settings(machine, now_ms)
         else:
             self._stood_ms = -1
             if machine.cautious and not machine.alarm and kind != commands.HOME:
@@ -188,17 +192,12 @@ class Controller:
         ):  # fmt: skip
             machine.awake = True
 
-    def _save_settings(self, now_ms):
+    def _save_settings(self, machine, now_ms):
         """Save changed settings at a stand; those changed amid a motion only after REST_MS. A failed save is tried again at the next change."""
-        machine = self.machine
         settings = machine.settings
-        if self._stood_ms < 0:
-            self._stood_ms = now_ms
-            self._set_amid = settings.dirty
-        if not settings.dirty:
-            self._set_amid = False
-        elif not settings.failed and (not self._set_amid or (now_ms - self._stood_ms) & COUNT_MASK >= REST_MS) and settings.save():
+        if not settings.failed and (not self._set_amid or (now_ms - self._stood_ms) & COUNT_MASK >= REST_MS) and settings.save():
             machine.note(errors.MEMORY)  # the change counts until the power goes; the next one tries again to store it
+        self._set_amid = self._set_amid and settings.dirty
         if settings.dirty and not settings.failed:
             machine.awake = True
 
@@ -254,7 +253,7 @@ class Controller:
         if machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED  # as a reset does: not every language has one
         machine.abort()
-        machine.drop_work()
+        machine.inform(WORK_GONE)
         machine.tell(Event(DROPPED, None, errors.STOPPED, command))
         self.queue.lift()
         self.queue.flush()

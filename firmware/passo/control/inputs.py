@@ -35,10 +35,6 @@ class Inputs:
                 self._turned.append("probe")
         return self.input(name) != (name in self._turned)
 
-    def limits_hit(self):
-        """Return True if hard limits are watched and one is active."""
-        return bool(self._settings.value(table.HARD_LIMITS)) and any([self.read(name) for name in self.names])
-
     def door_open(self):
         """Return True if there is a safety door and it is open."""
         return self.door and self.input("door")

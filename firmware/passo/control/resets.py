@@ -1,7 +1,7 @@
 """Beginning anew, and being out of service: reset, unlock, check mode, sleep."""
 
 from passo import commands, errors
-from passo.control.feature import ANEW, Feature
+from passo.control.feature import ANEW, WORK_GONE, Feature
 
 _STANDS = (commands.DWELL, commands.SPINDLE)  # while one of these takes its time the machine stands
 
@@ -33,7 +33,7 @@ class Resets(Feature):
             machine.raise_alarm(alarm, None, ANEW)
         else:
             machine.abort()
-            machine.drop_work(ANEW)
+            machine.inform(WORK_GONE | ANEW)
         machine.announce_restart(command)
         return machine.confirm_command(command)
 

@@ -15,7 +15,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
-from passo.config.setting_numbers import SOFT_LIMITS
+from passo.config.setting_numbers import HARD_LIMITS, SOFT_LIMITS
 from passo.control.feature import ANEW, HANDED_OVER, OFF, QUEUE_GONE, SAFE, WORK_GONE, overriding
 from passo.control.inputs import Inputs
 from passo.control.log import Log
@@ -246,10 +246,17 @@ class MachineState:
             feature.show_outputs(on)
 
     def inform(self, what):
-        """Call on_events(what) of each feature whose event_mask has an event in `what`, masks of feature.py."""
+        """Call on_events(what) of each feature whose event_mask has an event in `what`, masks of feature.py. With WORK_GONE all work is
+        dropped, begun or waiting; the caller drops the queue."""
         for feature in self._features:
             if feature.event_mask & what:
                 feature.on_events(what)
+        if what & (WORK_GONE | QUEUE_GONE):
+            self.jogging = self.active = self.fresh = False
+        if what & WORK_GONE:
+            self.drawing = False
+            self.awake = True
+            self.command = None
 
     def drop_at_stand(self):
         """Come to a stand, then drop what is queued."""
@@ -261,7 +268,6 @@ class MachineState:
         """Drop what is queued, at the stand of a hold."""
         self.queue.drop()
         self.inform(QUEUE_GONE)
-        self.jogging = self.active = self.fresh = False
 
     def end_hold(self):
         """End the hold."""
@@ -277,17 +283,10 @@ class MachineState:
         if self.hold or self.dropping:
             self.end_hold()
 
-    def drop_work(self, also=0):
-        """Drop all work, begun or waiting. The caller drops the queue. `also`: further masks for on_events()."""
-        self.inform(WORK_GONE | also)
-        self.drawing = self.jogging = self.active = self.fresh = False
-        self.awake = True
-        self.command = None
-
     def hand_over(self, number):
         """Give the command to link `number`: drop all work, switch the tool off."""
         self.commander = number
-        self.drop_work(HANDED_OVER)
+        self.inform(WORK_GONE | HANDED_OVER)
 
     def lose_position(self):
         """Mark the position as unknown: no axis is homed, and the journal's count is no longer whole."""
@@ -327,7 +326,7 @@ class MachineState:
         """Stop at once, forget all work, outputs safe, no current, unless motors keep their `current`. The position is no longer known."""
         self.abort()
         self.lose_position()
-        self.drop_work(SAFE | also)
+        self.inform(WORK_GONE | SAFE | also)
         if not current:
             self.motors.release()
 
@@ -337,7 +336,7 @@ class MachineState:
         if number in errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
-            self.drop_work(also)
+            self.inform(WORK_GONE | also)
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):
             self.shut_down(also | OFF, True)
@@ -389,14 +388,14 @@ class MachineState:
     def announce_restart(self, command=None):
         """Tell all links that the machine begins anew, by `command` or because it was switched on; an active limit locks
         it, an open door holds it."""
-        limits = self.inputs.limits_hit()
+        limits = self.settings.value(HARD_LIMITS) and any([self.inputs.read(name) for name in self.inputs.names])
         if limits and not self.alarm:
             self.guarded = 0
             self.alarm = errors.ALARM_LOCKED
         self.events.append(Event(RESTARTED, None, self.alarm, command))
         if limits:
             self.notice(errors.NOTICE_LIMITS)
-        if self.inputs.door_open() and not self.alarm:
+        if not self.alarm and self.inputs.door_open():
             self.carry_out(commands.DOOR)
 
     def homing_failed(self, alarm):

@@ -39,7 +39,6 @@ class Tools(Feature):
         self._dark = True
         self.show_outputs(False)
         if what & ANEW:
-            self._planner.set_power(0, False)
             if machine.overrides != [100, 100, 100]:
                 machine.overrides = [100, 100, 100]
                 self._override_all()

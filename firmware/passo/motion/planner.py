@@ -52,7 +52,6 @@ class Block:
 class Planner:
     def __init__(self, axes):
         self.axes = axes
-        self.dynamic = False  # see set_power()
         self._stride = ROW_STEPS + axes
         self.rows = zeros(QUEUE_SIZE * self._stride)  # ROW_…, and the deltas of each axis
         self._walkers = [None] * QUEUE_SIZE  # of an arc the index of its plan in Plans.plans; of a walker with its own pace the walker
@@ -114,6 +113,7 @@ class Planner:
     def clear(self):
         """Forget every block; the power is 0. Only while the feeder is stopped."""
         self.power = 0
+        self.dynamic = False  # see set_power()
         for which in range(len(self.indices)):
             self.indices[which] = 0
         self.indices[QUEUE_ARC] = -1

@@ -58,7 +58,10 @@ class Player:
                 dropped |= self._layout.pulse_mask
         self._playing = False
         self._next = self.now
-        self._put(self.now, self._levels & ~dropped)
+        dropped &= self._levels
+        if dropped:
+            self._levels ^= dropped
+            self._edges(self.now, self._levels ^ self._invert, dropped)
 
     def busy(self):
         """Return True while words are left to play or the last one's ticks still run."""

@@ -273,16 +273,18 @@ class JobJournal(Feature):
 
     def halt(self):
         """Write where the job is: the pins have stopped amid a word, and the queue is dropped next."""
+        self._broken = True
+        if not self._job or not self._is_counting():
+            return
         planner = self._queue.planner
         at = planner.row()
-        if at >= 0 and planner.rows[at + ROW_TAG] > self._done and self._is_counting():
+        if at >= 0 and planner.rows[at + ROW_TAG] > self._done:
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
             if not self._machine.away:
                 self._sample_position()
             self._write_record()
-        self._broken = True
-        if self._job and self._is_counting() and self._is_walking():
+        if self._is_walking():
             self._write_spot()
 
     def on_events(self, _):

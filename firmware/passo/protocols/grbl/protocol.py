@@ -70,7 +70,6 @@ class Grbl:
         asked = Command(commands.STATUS)  # the command of `?`, used again and again
         asked.reply = Event(ACCEPTED, asked)
         self._asked = (asked,)
-        self._real_time = False  # take_batch() has found real-time bytes in the data that feed() gets next
         self._marked = False  # lines that are kept may have marks of real-time bytes
         self._last = 0  # the last byte of the last data with real-time bytes
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
@@ -121,8 +120,8 @@ class Grbl:
     @micropython.native
     def take_batch(self, data, now_ms):
         """Put `data` into the line buffer. Then queue lines from there, until one is more than a G0 or G1, or the machine takes none.
-        Returns an `ok` for each; b"" if there was none; False if a `?` has to be answered first: call feed(b"") then. Returns None if
-        `data` has other real-time bytes: it is not kept, call feed(data) then."""
+        Returns an `ok` for each, b"" if there was none. Or commands that have to be carried out before the next call: `?` as a tuple, other
+        real-time bytes of `data` as a generator."""
         if not self.batch.begun:
             if data:
                 lines = self._lines
@@ -131,13 +130,13 @@ class Grbl:
                     lines.make_buffer()
                 kept = buffer_bytes(data, len(data), lines.text, fields)
                 if kept == REAL_TIME:
-                    self._real_time = True
-                    fields[LINES_WAITS] = 0  # feed() carries out a hold or reset even if the machine has no room for lines
-                    return None
+                    fields[LINES_WAITS] = 0  # a hold or reset may make room for lines
+                    return self._take_real_time(data)
                 if kept:
                     lines.finish_buffering(kept, data)
                 if fields[LINES_ASKED]:
-                    return False  # the answer comes first
+                    fields[LINES_ASKED] = 0
+                    return self._asked
                 if fields[LINES_AT] == fields[LINES_WHOLE]:
                     return b""  # no line has ended: to open the batch takes 0.7 ms
                 data = b""
@@ -175,11 +174,11 @@ class Grbl:
     def _answer_lines(self, taken, data):
         """Return the answers to take_lines(), and go on if it could not: with a slow buffer, an arc, or lines that the machine has refused."""
         if taken == REAL_TIME:
-            self._real_time = True
-            return None
+            return self._take_real_time(data)
         lines = self._lines
         if not taken:
-            return False if lines.fields[LINES_ASKED] else b""
+            asked, lines.fields[LINES_ASKED] = lines.fields[LINES_ASKED], 0
+            return self._asked if asked else b""
         if taken == SLOWLY or taken == LONG:
             lines.finish_buffering(taken, data)
             return self.take_batch(b"", 0)
@@ -209,8 +208,7 @@ class Grbl:
     def feed(self, data, now_ms):
         """Return commands, each to be answered by reply() before the next is asked for."""
         if data:
-            if self._real_time or not self._lines.take_bytes(data):
-                self._real_time = False
+            if not self._lines.take_bytes(data):
                 return self._take_real_time(data)  # the lines come with the next cycle, in a batch or not
         else:
             fields = self._lines.fields
@@ -432,7 +430,7 @@ class Grbl:
         self._forget_lines()
         self.gcode.reset()
         self.gcode.offsets.reset_shift()
-        self._status.reset_cycle()
+        self._status.offsets = self._status.overrides = 0  # in the next report
         text = ("error:%d\r\n" % errors.MEMORY if self._settings.damaged else "") + grbl_report.BANNER
         if alarm:
             text += grbl_report.message_line(grbl_report.NOTICES[errors.NOTICE_LOCKED])

@@ -122,12 +122,7 @@ class Status:
         self._settings = settings
         self._machine = machine
         self._out = None  # made when first asked: many a link never is
-        self.reset_cycle()
-
-    def reset_cycle(self):
-        """Let offsets and overrides be in the next report."""
-        self._wco = 0  # reports until the offsets are due
-        self.overrides = 0
+        self.offsets = self.overrides = 0  # reports until they are due
         self._settings_of = self._offsets_of = self._system = None  # that the fields are of
 
     def _take_over(self):
@@ -164,7 +159,7 @@ class Status:
     def report_bytes(self, report, room):
         """Return a report, bytes that are good until the next one. `report`: the controller's; `room`: for lines, in bytes."""
         if self._offsets_of != self._gcode.offsets.version or self._system != self._gcode.system:
-            self._wco = 0
+            self.offsets = 0
             self._take_over()
         elif self._settings_of != self._settings.version:
             self._take_over()
@@ -177,8 +172,8 @@ class Status:
                 self._pins = pins
                 self._pressed = ("|Pn:%s\0" % pins).encode()
             at = write_form(self._out, at, self._pressed, self._fields)
-        if self._wco and self.overrides:
-            self._wco -= 1
+        if self.offsets and self.overrides:
+            self.offsets -= 1
             self.overrides -= 1
         else:
             at = self._now_and_then(report, at)
@@ -232,10 +227,10 @@ class Status:
     def _now_and_then(self, report, at):
         """Write offsets, or overrides and accessories, if they are due. Returns where they end."""
         busy = report["state"] in _BUSY
-        if self._wco:
-            self._wco -= 1
+        if self.offsets:
+            self.offsets -= 1
         else:
-            self._wco = (_WCO_BUSY if busy else _IDLE) - 1
+            self.offsets = (_WCO_BUSY if busy else _IDLE) - 1
             self.overrides = self.overrides or 1
             at = write_form(self._out, at, self._offset, self._fields)
         if self.overrides:
