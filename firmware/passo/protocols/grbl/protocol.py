@@ -135,8 +135,7 @@ class Grbl:
                 if kept:
                     lines.finish_buffering(kept, data)
                 if fields[LINES_ASKED]:
-                    fields[LINES_ASKED] = 0
-                    return self._asked
+                    return self.feed(b"", now_ms)  # the answer comes first
                 if fields[LINES_AT] == fields[LINES_WHOLE]:
                     return b""  # no line has ended: to open the batch takes 0.7 ms
                 data = b""
@@ -177,8 +176,7 @@ class Grbl:
             return self._take_real_time(data)
         lines = self._lines
         if not taken:
-            asked, lines.fields[LINES_ASKED] = lines.fields[LINES_ASKED], 0
-            return self._asked if asked else b""
+            return self.feed(b"", 0) if lines.fields[LINES_ASKED] else b""
         if taken == SLOWLY or taken == LONG:
             lines.finish_buffering(taken, data)
             return self.take_batch(b"", 0)
