@@ -215,6 +215,6 @@ def translate_help(command):
 
 def error_text(number):
     """Return the meaning of error or alarm `number`, in one line."""
-    from passo import error_texts
+    from host_tools.options import error_text as text_of
 
-    return _(error_texts.text(number))
+    return _(text_of(number))

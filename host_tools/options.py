@@ -12,6 +12,7 @@ from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 
+import passo.error_texts
 import passo.options
 
 _FOLDER = Path(passo.options.__file__).parent
@@ -41,6 +42,20 @@ def axis_settings():
 def status_names():
     """Return {word of a status report: its name}."""
     return _merge_tables("STATUS")
+
+
+@lru_cache(maxsize=1)
+def error_texts():
+    """Return {number: text} of all errors and alarms: of the core, of each option, and of each language."""
+    found = dict(passo.error_texts.TEXTS)
+    for path in sorted(_FOLDER.parent.glob("*/*/error_texts.py")):
+        found.update(import_module(f"passo.{path.parent.parent.name}.{path.parent.name}.error_texts").TEXTS)
+    return found
+
+
+def error_text(number):
+    """Return the meaning of an error or alarm `number`, in one line."""
+    return error_texts().get(number) or passo.error_texts.text(number)
 
 
 def portuguese_texts():

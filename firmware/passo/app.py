@@ -12,11 +12,10 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS, Event
+from passo.commands import ACCEPTED, ALARM, DROPPED, HARMLESS, JOG, NEVER_WAITS, RESTARTED, RIGHTS, STATUS, Event
 from passo.config.journal import Journal, MemorySlots
 from passo.config.setting_numbers import ENABLE_INVERT
 from passo.config.settings import Settings
-from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.errors import LATER
 from passo.memory import forget, keep
@@ -336,11 +335,11 @@ class App:
             if kind == STATUS:
                 self._tell_status(command)
                 continue
-            if self._overruled and kind not in HARMLESS:
+            if self._overruled and not RIGHTS.get(kind, 0) & HARMLESS:
                 self.controller.refuse(command, self._overruled)
             else:
                 self._heard |= _WHOLE
-                if kind in IMMEDIATE or not link.waiting:
+                if RIGHTS.get(kind, 0) & NEVER_WAITS or not link.waiting:
                     if self.controller.accept(command) == LATER:
                         link.waiting.append(command)
                 elif not link.add(command):
@@ -444,7 +443,7 @@ class App:
                 reads = reads - 1 if data else 0
                 for command in link.protocol.feed(data, self._now_ms) if data else ():
                     command.link = link
-                    if command.kind not in HARMLESS:
+                    if not RIGHTS.get(command.kind, 0) & HARMLESS:
                         waiting.append(command)
                     elif self.controller.accept(command) == LATER:
                         link.waiting.append(command)

@@ -62,14 +62,24 @@ ADMIT = const(39)  # `value` minutes: programs without a key may move the machin
 # Step programs.
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
-# Stored jobs, and their journal.
-JOB = const(50)  # a stored job: `value` is one of JOB_RUN …, `target` its name or what else it needs
+# Of the journal of stored jobs.
 JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
 # Lines of G-code that features bring.
 CODE = const(1000)  # + 62: M62, as the line of G-code says it: `value` is its number, see protocols/gcode/codes.py; M66: `power` is L, `feed` Q in ms
 
-# These never wait for others.
-IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER, STEP_PROGRAM)
+NEVER_WAITS = const(1)  # for others of its link
+HARMLESS = const(2)  # it asks, or makes the machine safe: of any link
+ANY_LINK = const(4)  # also of a link that does not command
+ASKS = const(8)  # the same, if it has no `value` and no `tool`
+OF_LENDER = const(16)  # also of the link that has started a stored job, while it runs
+STARTS = const(32)  # with a `value` of 0 it starts tool or program: somebody has to be at the machine if the board file says so
+# Which of these each kind is. A feature of few machines adds its own kinds.
+RIGHTS = {
+    BAD: NEVER_WAITS | HARMLESS, HELLO: NEVER_WAITS | HARMLESS, STATUS: NEVER_WAITS | HARMLESS, STOP: NEVER_WAITS | HARMLESS,
+    HOLD: NEVER_WAITS | HARMLESS, DOOR: NEVER_WAITS | HARMLESS, JOG_CANCEL: NEVER_WAITS | HARMLESS, RESET: NEVER_WAITS | HARMLESS,
+    SYNC: HARMLESS, REST: HARMLESS, RESUME: NEVER_WAITS | OF_LENDER | STARTS, OVERRIDE: NEVER_WAITS | OF_LENDER,
+    TOGGLE: NEVER_WAITS | OF_LENDER, HAND_OVER: NEVER_WAITS | ANY_LINK, SETTING: ASKS,
+}  # fmt: skip
 
 # Inputs of the board file whose name means something: its letter in a status report, the command that it sends as it becomes active
 # (BAD: none), and the feature that this wants.
@@ -110,15 +120,6 @@ FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
 KIT_MOTORS = const(2)
 KIT_STEP_MS = const(4)  # between steps at speed 1
 KIT_SLOWEST = const(127)  # speed
-
-# JOB
-JOB_RUN = const(0)  # without a name the button's
-JOB_LIST = const(1)
-JOB_DELETE = const(2)
-JOB_OPEN = const(3)  # an upload begins: `target` is (name, language, bytes, their CRC-32, bytes that come)
-JOB_DATA = const(4)  # some of its bytes
-JOB_CLOSE = const(5)  # it is complete; FINISHED once it has been read back
-JOB_STATE = const(6)  # the job that runs, or the end of the last one
 
 # STEP_PROGRAM_ADD
 STEPS_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole

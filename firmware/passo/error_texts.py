@@ -2,7 +2,11 @@
 
     from passo.error_texts import text
     text(33)
+
+Options and languages have those of their own numbers in error_texts.py of their folders.
 """
+
+import sys
 
 from passo import errors
 
@@ -90,16 +94,6 @@ TEXTS = {
     errors.JOB_SIZE: "the job is too large, or there is no room for it: delete others",
     errors.JOB_PIECE: "a piece of the job is missing: send it again from its beginning",
     errors.NOT_ADMITTED: "over the network this needs the key, or somebody at the machine who admits it first",
-    errors.NO_JOB: "there is no stored job of that name: passo jobs list shows them",
-    errors.JOB_DAMAGED: "the stored job is damaged or was not sent whole: store it again",
-    errors.JOB_SPACE: "the memory is full or broken: delete stored jobs; those that were there are kept",
-    errors.JOB_RUNS: "a stored job is running: stop it first",
-    errors.STORED_NAME: "a job's name has at most 24 capitals, digits, '.', '_' and '-'",
-    errors.JOB_LANGUAGE: "the job is of another language than the board file's jobs.language",
-    errors.JOB_UPLOAD: "no upload is under way, or it has not as many bytes as were announced",
-    errors.JOB_STOPPED: "the stored job was stopped before its end",
-    errors.NO_CARD: "no memory card answers: is it in, formatted with FAT, and is the driver sdcard on the board?",
-    errors.JOB_MEMORY: "no memory is left to read the job with: reset the board, or take a link out of its board file",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
     errors.DRAWING: "the file cannot be drawn, or does not fit on the table: run passo draw FILE --dry-run to see why",
     errors.NOT_A_JOB: "the file is empty or no text in UTF-8: a job is a program or a drawing",
@@ -136,10 +130,20 @@ TEXTS = {
     errors.ALARM_DRIVER_POWER: "a driver lost its power: home",
     errors.ALARM_HOST_LOST: "the host said nothing any more: its job was dropped at a stand; the position is kept",
     errors.ALARM_POWER: "the power fails: stopped, and the state of the job saved; passo resume goes on",
-    errors.ALARM_JOB_CHANGED: "the stored job is not the same as before it began: the memory it lies in is damaged; store the job again",
 }
 
 
 def text(number):
     """Return the meaning of an error or alarm `number`, in one line."""
+    if number not in TEXTS:
+        load()
     return TEXTS.get(number) or "error %d" % number
+
+
+def load():
+    """Add the texts of the options and languages that are loaded: error_texts.py of their folders."""
+    for package in {".".join(name.split(".")[:3]) for name in sys.modules if name[:14] == "passo.options." or name[:16] == "passo.protocols."}:
+        try:
+            TEXTS.update(__import__(package + ".error_texts", None, None, ("TEXTS",)).TEXTS)
+        except ImportError:
+            pass

@@ -83,16 +83,6 @@ STEPS_MADE_UP = const(140)
 POSITION_VERIFIED = const(141)
 SQUARED = const(142)
 COUNTS_LOST = const(143)
-NO_JOB = const(150)
-JOB_DAMAGED = const(151)
-JOB_SPACE = const(152)
-JOB_RUNS = const(153)
-STORED_NAME = const(154)
-JOB_LANGUAGE = const(155)
-JOB_UPLOAD = const(156)
-JOB_STOPPED = const(157)
-NO_CARD = const(158)
-JOB_MEMORY = const(159)
 NO_ANSWER = const(170)
 LEASE = const(171)
 NO_SESSION = const(172)
@@ -138,16 +128,19 @@ ALARM_DRIVER_FAULT = const(223)
 ALARM_DRIVER_POWER = const(224)
 ALARM_HOST_LOST = const(250)
 ALARM_POWER = const(251)
-ALARM_JOB_CHANGED = const(252)
-# These bring the machine to its stand, and keep its position; the others stop it at once.
-AT_STAND = (
-    ALARM_SOFT_LIMIT, ALARM_PROBE_STATE, ALARM_PROBE_MISSED, ALARM_INVERTER_SILENT, ALARM_INVERTER_GARBLED,
-    ALARM_INVERTER_FAULT, ALARM_INVERTER_REFUSED, ALARM_SPINDLE_SPEED, ALARM_INVERTER_LATE, ALARM_HOST_LOST,
-    ALARM_JOB_CHANGED,
-)  # fmt: skip
+# Ways in which an alarm differs from a stop at once that releases the motors.
+AT_STAND, KEEPS_CURRENT, NEEDS_RESET, OUTPUTS_OFF = 1, 2, 4, 8
+# AT_STAND: the machine comes to its stand, and keeps its position; OUTPUTS_OFF: there its outputs go off. NEEDS_RESET: only a reset ends it.
+# A feature of few machines adds its own alarms.
+ALARMS = {
+    ALARM_HARD_LIMIT: KEEPS_CURRENT | NEEDS_RESET, ALARM_SOFT_LIMIT: AT_STAND | NEEDS_RESET, ALARM_RESET: KEEPS_CURRENT,
+    ALARM_PROBE_STATE: AT_STAND, ALARM_PROBE_MISSED: AT_STAND, ALARM_HOST_LOST: AT_STAND | OUTPUTS_OFF,
+    ALARM_INVERTER_SILENT: AT_STAND | OUTPUTS_OFF, ALARM_INVERTER_GARBLED: AT_STAND | OUTPUTS_OFF, ALARM_INVERTER_FAULT: AT_STAND | OUTPUTS_OFF,
+    ALARM_INVERTER_REFUSED: AT_STAND | OUTPUTS_OFF, ALARM_SPINDLE_SPEED: AT_STAND | OUTPUTS_OFF, ALARM_INVERTER_LATE: AT_STAND | OUTPUTS_OFF,
+    ALARM_INTERLOCK: KEEPS_CURRENT | NEEDS_RESET, ALARM_STEPS_MISSING: KEEPS_CURRENT, ALARM_GANTRY: KEEPS_CURRENT,
+}  # fmt: skip
 # Switches and encoders are watched, and the motors stay this board's, for the position of some axes is known.
 WATCHED = (NONE, ALARM_HOMING_REQUIRED)
-NEED_RESET = (ALARM_HARD_LIMIT, ALARM_SOFT_LIMIT, ALARM_INTERLOCK)
 
 # Notices are no errors: the machine tells what it did of its own accord.
 NOTICE_RESET_TO_CONTINUE = const(1)
@@ -164,6 +157,5 @@ NOTICE_TOOL = const(11)  # with the number of the tool
 NOTICE_SPINDLE = const(12)
 NOTICE_STEPS_MISSING = const(13)  # with which, and where
 NOTICE_GANTRY = const(14)  # with both counts
-NOTICE_JOB_ENDED = const(15)  # with (name, error or 0, line)
 NOTICE_HOMING_REQUIRED = const(16)  # with the names of the axes
 NOTICE_NO_LIMITS = const(17)

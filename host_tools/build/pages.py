@@ -12,7 +12,6 @@ from host_tools import options
 from host_tools.clients import setting_names
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE
-from passo import error_texts
 from passo.web.files import PACK
 
 PAGES = FIRMWARE / "passo" / "web" / "page"
@@ -41,7 +40,7 @@ def names_of(board):
 
 def error_list():
     """Return {number: text} of all errors and alarms."""
-    return {str(number): error_texts.text(number) for number in sorted(error_texts.TEXTS)}
+    return {str(number): text for number, text in sorted(options.error_texts().items())}
 
 
 def strip_comments(name, text):

@@ -281,11 +281,9 @@ def setting_rows():
 
 def error_rows():
     """Return a row for each number; those of the compiler behind the firmware's."""
-    from passo import error_texts as table
-
     from host_tools.programs import program_errors
 
-    texts = [(number, table.text(number)) for number in sorted(table.TEXTS)] + sorted(program_errors.TEXTS.items())
+    texts = sorted(options.error_texts().items()) + sorted(program_errors.TEXTS.items())
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]
 
 

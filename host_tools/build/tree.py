@@ -255,7 +255,7 @@ def select_modules(board, firmware=FIRMWARE, spared=None):
         for link in board["links"]:
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
-                chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
+                chosen |= {BROKER} | _files_of_texts(files, chosen) if board["network"].get("broker") else set()
     spared = features_to_spare(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))
@@ -266,6 +266,11 @@ def select_modules(board, firmware=FIRMWARE, spared=None):
         chosen |= more
         queue += more
     return sorted(chosen)
+
+
+def _files_of_texts(files, chosen):
+    """Return the files with the texts of errors: the core's, and those beside an __init__ that is chosen."""
+    return {path for path in files if path.name == ERROR_TEXTS.name and (path == ERROR_TEXTS or path.with_name("__init__.py") in chosen)}
 
 
 @lru_cache(maxsize=1)
@@ -380,6 +385,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
     texts, compiled = _compile_sources(sources, board, march)
+    files = [path for path in files if path.name == "__init__.py" or _has_code(texts[path.as_posix()])]
     if by is not None:
         by += compiled.by
         by += [_("and {} words look like pointers: the collector may keep garbage for them", compiled.pointers)] if compiled.pointers else []
@@ -421,6 +427,15 @@ def _compile_sources(sources, board, march):
         return inline.inline_kernels(shorten_names(compiled.texts)), compiled._replace(texts={})
 
     return load_or_make((sorted(sources.items()), kernels.has_acceleration(board), march, left, modules.origin_of(march)), make_texts)
+
+
+def _has_code(text):
+    """Return True if a module has more than its docstring, when its constants are numbers in all others: else no board loads it."""
+    for node in ast.parse(text).body:
+        docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        if not (docstring or isinstance(node, ast.Pass) or isinstance(node, ast.ImportFrom) and node.module == "micropython"):
+            return True
+    return False
 
 
 def _check_flash(board, out):

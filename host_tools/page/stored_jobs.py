@@ -16,6 +16,7 @@ from host_tools.page.slow_order import SlowOrder, is_refusal
 from host_tools.clients.grbl_wire import PAGE
 from passo import errors
 from passo.options.jobs.config_names import name_fits
+from passo.options.jobs.errors import STORED_NAME
 
 _PIECE = const(54)  # bytes of an upload in a line
 _LOST = const(60)  # reports; then the message that it has ended was lost
@@ -53,7 +54,7 @@ class StoredJobs(Job):
                 return 0
             return 0 if machine.wire.send_line(PAGE, b"$F", self._tell_list) else errors.BUSY
         if not isinstance(name, str) or not name_fits(name):
-            return errors.STORED_NAME
+            return STORED_NAME
         if what == "delete":
             return machine.send_line(b"$FD=" + name.encode())
         if what == "run":

@@ -362,7 +362,7 @@ class Runner:
 
         number, line = self._under_way[0] if self._under_way else (0, b"")
         alarm += 200
-        if alarm in errors.NEED_RESET:
+        if errors.ALARMS.get(alarm, 0) & errors.NEEDS_RESET:
             self._player.flush()
             raise Failed("{}: alarm {}, {}", line.decode(), alarm - 200, error_texts.text(alarm), line=number)
         missed = alarm in (errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)

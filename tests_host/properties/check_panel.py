@@ -7,6 +7,7 @@ from check_jobs import folder
 from draws import Random
 from panel_desk import Desk
 from passo import errors
+from passo.options.jobs.errors import NO_JOB, STORED_NAME
 from passo.records import TICKS_PER_MS
 from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import FRESH_MS, LEASE_MS, Lease
@@ -582,10 +583,10 @@ def check_the_jobs_of_the_board():
     job = desk.machine.state["job"]
     assert job["how"] == "failed" and job["error"] and job["line"] == 2, job
     for wrong in ("a.nc", "", "PART~", "../X", 5, None):
-        assert desk.order("stored", what="run", name=wrong) == errors.STORED_NAME, wrong
+        assert desk.order("stored", what="run", name=wrong) == STORED_NAME, wrong
     assert desk.order("stored", what="run", name="NONE") == 0
     desk.run_ms(200)
-    assert desk.machine.state["job"]["error"] == errors.NO_JOB
+    assert desk.machine.state["job"]["error"] == NO_JOB
     assert desk.order("stored", what="delete", name="PART.NC") == 0
     desk.run_ms(200)
     assert listed() == []

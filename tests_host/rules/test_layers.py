@@ -50,11 +50,11 @@ MAY_IMPORT = {
 # The layer of an option's file, by the first word of its name.
 OF_OPTIONS = {
     "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "drive": "drives", "port": "ports", "language": "protocols", "builder": "builder",
-    "words": "config",
+    "words": "config", "commands": "commands", "errors": "errors", "error": "error_texts", "records": "records",
 }  # fmt: skip
 
-# These load an option's manifest, and its part of a port, by the option's key or the name that its manifest writes.
-BY_KEY = ("board_error.py", "parts.py")
+# These load an option's manifest, its part of a port, and its texts of errors, by the option's key or the name that its manifest writes.
+BY_KEY = ("board_error.py", "parts.py", "error_texts.py")
 
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {

@@ -47,21 +47,44 @@ def twice(text, of_rows=False):
     return faults
 
 
+def parts(module):
+    """The texts of a module of the vocabulary: the core's, and those of the same name in folders of options and languages."""
+    return [path.read_text(encoding="utf-8") for path in [PASSO / module, *sorted(PASSO.glob(f"*/*/{module}"))]]
+
+
+def paragraphs(text):
+    """{first name of a paragraph: {name: number}}."""
+    return {group[0][0]: dict(group) for group in groups(text, False) if group}
+
+
+def kinds_of_commands():
+    """[(name, number)] of all commands: of the core those that begin with BAD, of an option the first paragraph."""
+    core, *own = [paragraphs(text) for text in parts("commands.py")]
+    return list(core["BAD"].items()) + [row for each in own for row in next(iter(each.values())).items()]
+
+
 @pytest.mark.parametrize("module", ["commands.py", "errors.py", "records.py"])
 def test_numbers_are_unique(module):
-    text = (PASSO / module).read_text()
-    assert len(CONSTANT.findall(text)) > 50
-    assert [fault[:2] for fault in twice(text, of_rows=module == "records.py")] == []
+    core, *own = parts(module)
+    assert len(CONSTANT.findall(core)) > 50
+    assert [fault[:2] for text in (core, *own) for fault in twice(text, of_rows=module == "records.py")] == []
+
+
+def test_numbers_of_core_options_and_languages_are_unique():
+    """Kinds of commands; errors and alarms; notices."""
+    errors = [(name, int(number)) for text in parts("errors.py") for name, number in CONSTANT.findall(text)]
+    notices = [row for row in errors if row[0].startswith("NOTICE_")]
+    for found in (kinds_of_commands(), [row for row in errors if row not in notices], notices):
+        assert len({number for _, number in found}) == len({name for name, _ in found}) == len(found), sorted(found, key=lambda row: row[1])
 
 
 def test_kinds_are_one_paragraph():
     """Also those that were added last: else nothing would compare them."""
-    text = (PASSO / "commands.py").read_text()
-    kinds = next(dict(group) for group in groups(text, False) if group and group[0][0] == "BAD")
+    kinds = {name for name, _ in kinds_of_commands()}
     firmware = "".join(path.read_text() for path in PASSO.rglob("*.py"))
     used = set(re.findall(r"(?:Command|Motion)\(\s*(?:commands\.)?([A-Z_]+)\b", firmware))
     used = {name for name in used if name[0] != "_"}
-    assert {"LINE", "MORE", "ADMIT", "HELLO"} <= used and used <= set(kinds), used - set(kinds)
+    assert {"LINE", "MORE", "ADMIT", "HELLO"} <= used and used <= kinds, used - kinds
 
 
 def test_the_rule_sees_it():
@@ -98,8 +121,9 @@ def settings_of(source):
 
 def known():
     """(kind, number, name) of all errors, notices and settings: of core, of each board, and of each option's manifest."""
-    for name, number in CONSTANT.findall((PASSO / "errors.py").read_text(encoding="utf-8")):
-        yield "notice" if name.startswith("NOTICE_") else "error", int(number), name
+    for text in parts("errors.py"):
+        for name, number in CONSTANT.findall(text):
+            yield "notice" if name.startswith("NOTICE_") else "error", int(number), name
     for board in [check(boards.load(name)) for name in boards.names()]:
         yield from (("setting", number, rule[0]) for number, rule in boards.settings_of(board).items())
     for path in PASSO.glob("options/*/manifest.py"):

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from passo.error_texts import TEXTS
+from host_tools.options import error_texts
+
 
 pytestmark = pytest.mark.quick
 
@@ -81,7 +82,7 @@ def test_sentences_are_read_once(page):
 
 
 def test_error_texts_are_read_once():
-    found = [riddle for text in TEXTS.values() for riddle in riddles(text[0].upper() + text[1:])]
+    found = [riddle for text in error_texts().values() for riddle in riddles(text[0].upper() + text[1:])]
     assert not found, "\n".join(f"{name}: {sentence}\n    {RIDDLES[name][0]}" for name, sentence in found)
 
 

@@ -289,11 +289,12 @@ def test_what_the_environment_asks_for():
 
 
 def test_errors_and_settings_in_portuguese(portuguese):
-    from passo import error_texts, errors
+    from host_tools.options import error_texts
+    from passo import errors
 
-    for number in sorted(error_texts.TEXTS):
-        assert language.error_text(number) == language.load_catalogue("pt").words.get(error_texts.text(number), error_texts.text(number))
-    assert language.error_text(errors.BUSY) != error_texts.text(errors.BUSY)
+    for number, text in error_texts().items():
+        assert language.error_text(number) == language.load_catalogue("pt").words.get(text, text)
+    assert language.error_text(errors.BUSY) != error_texts()[errors.BUSY]
     assert setting_names.describe_line("$110=500", 3)[0].startswith("x: ") and "highest" not in setting_names.describe_line("$110=500", 3)[0]
     assert setting_names.describe_line("$20=1", 3)[0] != setting_names.NAMES[20][0]
     assert setting_names.describe_line("G10L2P2X1", 3)[0] == "origem de G55"

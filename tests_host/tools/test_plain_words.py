@@ -7,8 +7,8 @@ import re
 import pytest
 
 import rs274
+from host_tools.options import error_texts
 from host_tools.resources import ROOT
-from passo import error_texts
 
 pytestmark = pytest.mark.skipif(not rs274.RS274, reason="needs rs274 (apt-get install linuxcnc-uspace)")
 BEGIN = "G21 G90 G17 G94 G98"
@@ -116,7 +116,7 @@ def test_what_differs_is_listed(tmp_path):
 def test_what_is_refused_is_told(tmp_path):
     for text, (error, both) in REFUSED.items():
         wanted, found = paths(tmp_path, text)
-        assert found == error and error in error_texts.TEXTS and (wanted is None) == both, (text, wanted, found)
+        assert found == error and error in error_texts() and (wanted is None) == both, (text, wanted, found)
 
 
 def test_every_word_of_the_page_is_tried():

@@ -6,10 +6,10 @@ from html.parser import HTMLParser
 
 import pytest
 
+from host_tools import options
 from host_tools.build.pages import page_words
 from host_tools.clients import setting_names
 from host_tools.panel.panel import FOLDER
-from passo import error_texts
 
 pytestmark = pytest.mark.quick
 
@@ -66,7 +66,7 @@ def script_texts():
 
 
 def wanted():
-    errors = {error_texts.text(number) for number in sorted(error_texts.TEXTS)}
+    errors = set(options.error_texts().values())
     settings = {name[0] for names in (setting_names.NAMES, setting_names.AXIS_NAMES) for name in names.values()}
     return page_texts() | script_texts() | errors | settings
 

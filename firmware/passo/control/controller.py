@@ -13,13 +13,7 @@ from passo import commands, errors
 from passo.commands import DROPPED, REFUSED, Event
 from passo.config.setting_numbers import SOFT_LIMITS
 from passo.control.feature import REFUSAL, WORK_GONE, overriding
-from passo.control.links import OF_ANY_LINK
 from passo.records import COUNT_MASK, REST_MS
-
-# Commands of the link that has started a stored job, while it runs.
-_OF_LENDER = (
-    commands.RESUME, commands.OVERRIDE, commands.TOGGLE, commands.JOB, commands.JOURNAL, commands.STEP_PROGRAM,
-)  # fmt: skip
 
 
 class Controller:
@@ -101,7 +95,7 @@ class Controller:
             return 0
         self.machine.awake = True
         link = command.link
-        if link is None or link.number == self.machine.commander or command.kind in OF_ANY_LINK or self._may_command(command):
+        if link is None or link.number == self.machine.commander or self._may_command(command):
             handler = self.machine.handlers.get(command.kind)
             result = handler(command) if handler else errors.UNKNOWN_COMMAND
         else:
@@ -111,10 +105,11 @@ class Controller:
         return result
 
     def _may_command(self, command):
-        """Return True if a link that does not command may send this: it has started a stored job, or asks for the journal or a setting."""
-        if command.link.number == self.machine.lender and command.kind in _OF_LENDER:
+        """Return True if a link that does not command may send this, by RIGHTS."""
+        rights = commands.RIGHTS.get(command.kind, 0)
+        if rights & commands.OF_LENDER and command.link.number == self.machine.lender:
             return True
-        return command.kind == commands.JOURNAL and command.target is None or command.kind == commands.SETTING and command.value is None and not command.tool
+        return rights & (commands.HARMLESS | commands.ANY_LINK) or rights & commands.ASKS and command.value is None and not command.tool
 
     # --- batches: by the same rules as commands
 
@@ -250,7 +245,7 @@ class Controller:
             machine.tell(Event(REFUSED, machine.command, errors.STOPPED))
         if machine.busy_with(commands.HOME):
             machine.break_off_homing()
-        if machine.alarm in errors.NEED_RESET:
+        if machine.needs_reset():
             machine.alarm = errors.ALARM_LOCKED  # as a reset does: not every language has one
         machine.abort()
         machine.inform(WORK_GONE)

@@ -91,7 +91,7 @@ class Homing(Feature):
     def _begin_homing(self, command):
         """Begin HOME: lift the tool first. `value`: mask of axes, 0: all; `power`: runs that measure quality. Returns 0, LATER, or an error."""
         machine = self._machine
-        if machine.alarm in errors.NEED_RESET:
+        if machine.needs_reset():
             return errors.LOCKED
         if machine.inputs.door_open():
             return errors.DOOR_OPEN

@@ -9,12 +9,6 @@ from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.control.feature import Feature
 
-HARMLESS = (
-    commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,
-    commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.REST, commands.RESET,
-)  # fmt: skip
-OF_ANY_LINK = HARMLESS + (commands.HAND_OVER, commands.ADMIT)
-
 
 class Links(Feature):
     def __init__(self, board, machine, queue):

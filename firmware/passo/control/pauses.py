@@ -156,7 +156,7 @@ class Pauses(Feature):
             kind = machine.hold
             machine.drop()
             machine.end_hold()
-            if (machine.alarm in errors.NEED_RESET or machine.alarm >= errors.ALARM_INVERTER_SILENT) and not machine.retracts:
+            if errors.ALARMS.get(machine.alarm, 0) & (errors.NEEDS_RESET | errors.OUTPUTS_OFF) and not machine.retracts:
                 machine.inform(OFF)
             if kind == "door":
                 self._begin_hold(kind)

@@ -25,7 +25,7 @@ class Resets(Feature):
             alarm = errors.ALARM_HOMING_RESET
         elif not (self._queue.still() or machine.hold and machine.stood or kind in _STANDS):
             alarm = errors.ALARM_RESET
-        elif machine.sleeping or machine.alarm in errors.NEED_RESET:
+        elif machine.sleeping or machine.needs_reset():
             machine.alarm = errors.ALARM_LOCKED
         machine.checking = machine.sleeping = False
         if alarm:
@@ -40,7 +40,7 @@ class Resets(Feature):
     def _unlock_machine(self, command):
         """End an alarm. Returns 0, LOCKED if only a reset or homing ends it, or DOOR_OPEN."""
         machine = self._machine
-        if machine.sleeping or machine.alarm in errors.NEED_RESET:
+        if machine.sleeping or machine.needs_reset():
             return errors.LOCKED
         if machine.alarm:
             if machine.inputs.door_open():

@@ -333,12 +333,12 @@ class MachineState:
     def raise_alarm(self, number, who=None, also=0):
         """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: further masks for on_events()."""
         command = self.command
-        if number in errors.AT_STAND:
+        manner = errors.ALARMS.get(number, 0)
+        if manner & errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
             self.inform(WORK_GONE | also)
-        elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
-            errors.ALARM_GANTRY):
+        elif manner & errors.KEEPS_CURRENT:
             self.shut_down(also | OFF, True)
         else:
             self.shut_down(also)
@@ -346,10 +346,14 @@ class MachineState:
         self.alarm = number
         self.note(number, who)
         self.events.append(Event(ALARM, None, number))
-        if number in errors.NEED_RESET:
+        if self.needs_reset():
             self.notice(errors.NOTICE_RESET_TO_CONTINUE)
         if command is not None:
             self.events.append(Event(REFUSED, command, errors.LOCKED))
+
+    def needs_reset(self):
+        """Return a mask that is not 0 in an alarm that only a reset ends."""
+        return errors.ALARMS.get(self.alarm, 0) & errors.NEEDS_RESET
 
     def require_homing(self, axes):
         """Lock the machine until the others, `axes` in words, are homed. Other work under way goes on."""

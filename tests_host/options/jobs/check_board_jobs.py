@@ -5,6 +5,7 @@ from binascii import b2a_base64, crc32
 from board_browser import ServedRouter
 from check_jobs import folder, remove, stored_form
 from passo import errors
+from passo.options.jobs.errors import JOB_DAMAGED, JOB_SPACE, JOB_STOPPED, JOB_UPLOAD, NO_JOB, STORED_NAME
 from passo.options.jobs.language_page import PIECE
 from router import BOARD, World
 
@@ -70,12 +71,12 @@ def check_an_upload_is_run():
     assert ask(page, "run", name="PART.NC") == 0
     page.until(lambda state: state["state"] == "Run")
     assert page.order("stop", False)["error"] == 0
-    page.until(lambda state: state["job"]["how"] == "failed" and state["job"]["error"] == errors.JOB_STOPPED)
+    page.until(lambda state: state["job"]["how"] == "failed" and state["job"]["error"] == JOB_STOPPED)
     page.until(lambda state: state["state"] == "Alarm")
     assert ask(page, "delete", name="PART.NC") == 0 and listed(page) == []
     assert page.order("unlock")["error"] == 0
     page.until(lambda state: state["state"] == "Idle")
-    assert ask(page, "run", name="PART.NC") == errors.NO_JOB
+    assert ask(page, "run", name="PART.NC") == NO_JOB
     remove(board)
 
 
@@ -84,7 +85,7 @@ def check_what_is_no_upload():
     packed = stored_form(JOB)
     for name in ("../BOARD.PY", "A/B", ".HIDDEN", "part", "", "X" * 25, "A\\B", "A\x00B"):
         for what in ("begin", "piece", "end", "run", "delete"):
-            assert ask(page, what, name=name, size=9, crc="0", stored=9, at=0, data="AAAA") in (errors.STORED_NAME, errors.ORDER_FIELD), name
+            assert ask(page, what, name=name, size=9, crc="0", stored=9, at=0, data="AAAA") in (STORED_NAME, errors.ORDER_FIELD), name
     for what in ("list", "begin", "piece", "end", "run", "delete"):
         answer = page.order("stored", False, what=what, name="PART.NC", size=9, crc="0", stored=9, at=0, data="AAAA")
         assert answer["error"] == errors.NO_SESSION
@@ -92,20 +93,20 @@ def check_what_is_no_upload():
         good = {"size": 9, "crc": "0", "stored": 9}
         good.update(fields)
         assert ask(page, "begin", name="PART.NC", **good) == errors.ORDER_FIELD, fields
-    assert ask(page, "begin", name="PART.NC", size=9, crc="0", stored=0x0FFFFFFF) in (0, errors.JOB_SPACE)
-    assert ask(page, "piece", name="OTHER.NC", at=0, data="AAAA") == errors.JOB_UPLOAD
+    assert ask(page, "begin", name="PART.NC", size=9, crc="0", stored=0x0FFFFFFF) in (0, JOB_SPACE)
+    assert ask(page, "piece", name="OTHER.NC", at=0, data="AAAA") == JOB_UPLOAD
     assert begin(page, packed) == 0 and pieces(page, packed, count=1) == 0
     for at in (0, PIECE - 1, PIECE + 1, 2 * PIECE):
         assert ask(page, "piece", name="PART.NC", at=at, data="AAAA") == errors.JOB_PIECE, at
     for data in ("A" * 401, "\u00e9", 5, "A"):
         assert ask(page, "piece", name="PART.NC", at=PIECE, data=data) in (errors.ORDER_FIELD, errors.JOB_PIECE), data
-    assert ask(page, "end", name="PART.NC") == errors.JOB_UPLOAD and listed(page) == []
+    assert ask(page, "end", name="PART.NC") == JOB_UPLOAD and listed(page) == []
     assert begin(page, packed[:-1]) == 0
-    assert pieces(page, packed) == errors.JOB_UPLOAD, "more than was announced"
+    assert pieces(page, packed) == JOB_UPLOAD, "more than was announced"
     other = board.page()
     assert begin(page, packed) == 0 and pieces(page, packed, count=1) == 0
     assert begin(other, packed, "OTHER.NC") == 0
-    assert ask(page, "piece", name="PART.NC", at=PIECE, data="AAAA") == errors.JOB_UPLOAD, "another page has begun one"
+    assert ask(page, "piece", name="PART.NC", at=PIECE, data="AAAA") == JOB_UPLOAD, "another page has begun one"
     page.wire.close()
     board.browsers.remove(page)
     board.run_ms(200)
@@ -153,6 +154,6 @@ def check_an_upload_that_is_damaged(at, bit):
         error = ask(page, "end", name="PART.NC")
         board.run_ms(400)
     error = error or page.state["job"]["error"]
-    assert error == errors.JOB_DAMAGED or page.state["job"]["how"] == "kept", "only the right bytes may be kept"
+    assert error == JOB_DAMAGED or page.state["job"]["how"] == "kept", "only the right bytes may be kept"
     assert listed(page) == [["PART.NC", len(JOB)]]
     remove(board)

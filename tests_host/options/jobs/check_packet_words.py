@@ -1,7 +1,8 @@
 """The lines of stored jobs in packets of the plotter's language."""
 
 from check_plotter import GAP_MS, feed_all
-from passo.commands import ACCEPTED, HELLO, JOB, REFUSED, Event
+from passo.commands import ACCEPTED, HELLO, REFUSED, Event
+from passo.options.jobs.commands import JOB
 from passo.options.jobs.language_grbl import teach_lines
 from passo.protocols.plotter.host import COMMANDS, Plotter, packet
 from passo.protocols.plotter.words import PacketWords

@@ -27,10 +27,10 @@ from binascii import crc32
 import deflate
 from micropython import const
 
-from passo import errors
 from passo.config.journal import seal_record
 from passo.memory import WINDOW_BITS, FileRoom, stream
 from passo.options.jobs.config_names import name_fits
+from passo.options.jobs.errors import JOB_DAMAGED, JOB_LANGUAGE, JOB_UPLOAD, NO_CARD
 
 _MAGIC = b"job "
 HEAD_BYTES = const(96)  # at most, of a file's first line
@@ -74,7 +74,7 @@ class JobFile:
         head = parse_first_line(self._file.readline(HEAD_BYTES))
         if head is None or language and language != head[0]:
             self.close()
-            raise Damaged(errors.JOB_LANGUAGE if head else errors.JOB_DAMAGED)
+            raise Damaged(JOB_LANGUAGE if head else JOB_DAMAGED)
         _, self.size, self.crc, _ = head
         self.done = 0  # bytes read
         self._sum = 0  # their CRC-32
@@ -104,13 +104,13 @@ class JobFile:
         self.done += count
         self._sum = crc32(view[:count], self._sum)
         if (self.done >= self.size or not count) and (self.done != self.size or self._sum & 0xFFFFFFFF != self.crc):
-            raise Damaged(errors.JOB_DAMAGED)
+            raise Damaged(JOB_DAMAGED)
         return count
 
     def damage_of(self, error):
         """Return a Damaged for an error of reading: the stream is wrong or ends too soon, or its memory does not answer."""
         wrong = not error.args or error.args[0] == _EINVAL
-        return Damaged(errors.JOB_DAMAGED if wrong else self._lost)
+        return Damaged(JOB_DAMAGED if wrong else self._lost)
 
     def close(self):
         """Close the file; the stream keeps its memory."""
@@ -217,7 +217,7 @@ class JobStore:
     def _open_job(self, path, language=None):
         """Return the JobFile of a path, its window made. Raises as open()."""
         try:
-            job = JobFile(self._room.open(path, "rb"), errors.JOB_DAMAGED if self._is_flash else errors.NO_CARD, language)
+            job = JobFile(self._room.open(path, "rb"), JOB_DAMAGED if self._is_flash else NO_CARD, language)
         except (OSError, MemoryError, Damaged):
             self._room.keep()
             raise
@@ -283,7 +283,7 @@ class JobStore:
     def add_data(self, data):
         """Add bytes to the upload. Returns 0, or the number of an error. Raises OSError."""
         if self._file is None or len(data) > self._left:
-            return errors.JOB_UPLOAD
+            return JOB_UPLOAD
         self._file.write(data)
         self._left -= len(data)
         return 0

@@ -14,11 +14,16 @@ Reading goes on in the main loop while steps are made in an interrupt: it takes 
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import DROPPED, Event
+from passo.commands import DROPPED, OF_LENDER, RIGHTS, STARTS, Event
 from passo.control.feature import OFF, WORK_GONE, Feature
+from passo.errors import ALARMS, AT_STAND, OUTPUTS_OFF
 from passo.memory import buffer
+from passo.options.jobs.commands import JOB, JOB_CLOSE, JOB_DATA, JOB_DELETE, JOB_LIST, JOB_OPEN, JOB_RUN, JOB_STATE
 from passo.options.jobs.config import Damaged, JobStore
 from passo.options.jobs.config_names import LINK, name_fits
+from passo.options.jobs.errors import (
+    ALARM_JOB_CHANGED, JOB_DAMAGED, JOB_LANGUAGE, JOB_MEMORY, JOB_RUNS, JOB_SPACE, JOB_STOPPED, JOB_UPLOAD, NOTICE_JOB_ENDED, NO_CARD, NO_JOB, STORED_NAME,
+)  # fmt: skip
 
 _PIECE = const(512)  # bytes that are read at once while a job is proven
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
@@ -129,7 +134,9 @@ class Jobs(Feature):
         return store
 
     def handlers(self):
-        return {commands.JOB: self._do_job}
+        RIGHTS[JOB] = OF_LENDER | STARTS
+        ALARMS[ALARM_JOB_CHANGED] = AT_STAND | OUTPUTS_OFF
+        return {JOB: self._do_job}
 
     def busy(self):
         """Return True while a job runs, or is read before it."""
@@ -149,14 +156,14 @@ class Jobs(Feature):
             error = damaged.args[0]
         except MemoryError:
             self._store.abort_upload()
-            error = errors.JOB_MEMORY
+            error = JOB_MEMORY
         except OSError:
             self._store.abort_upload()
-            error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else self._mount_card() or errors.JOB_SPACE
+            error = NO_JOB if command.value in (JOB_RUN, JOB_DELETE) else self._mount_card() or JOB_SPACE
         if error and command.link is None:  # a button, or the start: there is nobody to answer
             name = command.target or self._config["button"]
             self._machine.note(error, name)
-            self._machine.notice(errors.NOTICE_JOB_ENDED, (name, error, 0))
+            self._machine.notice(NOTICE_JOB_ENDED, (name, error, 0))
         return error
 
     def _mount_card(self):
@@ -166,51 +173,51 @@ class Jobs(Feature):
                 self._card.mount()
                 self._store.mount()
             except (OSError, ImportError):
-                return errors.NO_CARD
+                return NO_CARD
         return 0
 
     def _do_order(self, command):
         """Carry out an order about stored jobs. Returns the number of an error, or 0. Raises Damaged, MemoryError, OSError."""
         machine = self._machine
         what = command.value
-        if what == commands.JOB_STATE:
+        if what == JOB_STATE:
             return machine.confirm_command(command, self._ended if self._file is None else (self._name, self._per_cent()))
-        if what == commands.JOB_RUN:
+        if what == JOB_RUN:
             return self._run_job(command, command.target or self._config["button"])
         if self._file is not None:
-            return errors.JOB_RUNS
+            return JOB_RUNS
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         machine.port.feed_watchdog()
-        error = self._mount_card() if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN) else 0
+        error = self._mount_card() if what in (JOB_LIST, JOB_DELETE, JOB_OPEN) else 0
         if error:
             return error
-        if what == commands.JOB_LIST:
+        if what == JOB_LIST:
             return machine.confirm_command(command, (self._store.list_jobs(), (self._store.free_bytes(), self._store.more)))
-        if what == commands.JOB_CLOSE:
+        if what == JOB_CLOSE:
             self._reading = self._store.open_upload()
             if self._reading is None:
-                return errors.JOB_UPLOAD
+                return JOB_UPLOAD
             machine.command = command
             return 0
-        if what == commands.JOB_DATA:
+        if what == JOB_DATA:
             error = self._store.add_data(command.target)
-        elif what == commands.JOB_OPEN:
+        elif what == JOB_OPEN:
             error = self._begin_upload(*command.target)
         elif name_fits(command.target):
             self._store.delete_job(command.target)
         else:
-            return errors.NO_JOB
+            return NO_JOB
         return error or machine.confirm_command(command)
 
     def _begin_upload(self, name, language, size, crc, stored):
         """Begin an upload, if its name, language and size are right. Returns the number of an error, or 0."""
         if not name_fits(name):
-            return errors.STORED_NAME
+            return STORED_NAME
         if language != self._config["language"]:
-            return errors.JOB_LANGUAGE
+            return JOB_LANGUAGE
         if stored > self._store.free_bytes():
-            return errors.JOB_SPACE
+            return JOB_SPACE
         self._store.begin(name, language, size, crc, stored)
         return 0
 
@@ -220,9 +227,9 @@ class Jobs(Feature):
         """Open a job, and give its link the command; it is read to its end before it runs. Returns the number of an error, or 0."""
         machine = self._machine
         if self._file is not None:
-            return errors.JOB_RUNS
+            return JOB_RUNS
         if not name_fits(name):
-            return errors.NO_JOB
+            return NO_JOB
         if machine.alarm not in (0, errors.ALARM_LOCKED, errors.ALARM_HOMING_REQUIRED):  # the job may home first
             return errors.LOCKED
         if machine.state not in ("idle", "alarm", "check") or not self._queue.still():
@@ -261,9 +268,9 @@ class Jobs(Feature):
         except Damaged as damaged:
             error = damaged.args[0]
         except OSError:
-            error = errors.NO_CARD if self._card else errors.JOB_DAMAGED
+            error = NO_CARD if self._card else JOB_DAMAGED
         except MemoryError:
-            error = errors.JOB_MEMORY
+            error = JOB_MEMORY
         if error:
             self._machine.note(error, self._name)
             self.line.answered = 0
@@ -278,7 +285,7 @@ class Jobs(Feature):
         self._file = self._store.open(self._name)
         self.line.begin(self._file)
         if self._file.crc != proven.crc:
-            raise Damaged(errors.JOB_DAMAGED)
+            raise Damaged(JOB_DAMAGED)
         self._announce_job(self._file.crc or 1)
         self._noted = machine.log.count
 
@@ -293,7 +300,7 @@ class Jobs(Feature):
         if self._start:
             name = self._start
             self._start = ""
-            self._do_job(commands.Command(commands.JOB, name))
+            self._do_job(commands.Command(JOB, name))
         if self._file is not None:
             self._machine.awake = True
             if self._proving:
@@ -323,7 +330,7 @@ class Jobs(Feature):
         else:
             machine.carry_out(commands.STOP)
         self._rest = file
-        if error in (errors.JOB_DAMAGED, errors.NO_CARD):
+        if error in (JOB_DAMAGED, NO_CARD):
             self._note_unread(error)
 
     def _read_rest(self):
@@ -348,7 +355,7 @@ class Jobs(Feature):
     def poll_command(self, now_ms):
         """Read an upload back, and make it the job if it is right."""
         machine = self._machine
-        if self._reading is None or not machine.busy_with(commands.JOB):
+        if self._reading is None or not machine.busy_with(JOB):
             return
         error = self._read_on(self._reading)
         if error is None:
@@ -359,7 +366,7 @@ class Jobs(Feature):
             try:
                 self._store.commit_upload()
             except OSError:
-                error = errors.JOB_SPACE
+                error = JOB_SPACE
         if error:
             self._store.abort_upload()
             command = machine.command
@@ -379,8 +386,8 @@ class Jobs(Feature):
         elif self._failed:
             machine.inform(OFF)
             self._end_job(self._failed)
-            if self._failed == errors.JOB_DAMAGED:
-                machine.raise_alarm(errors.ALARM_JOB_CHANGED, self._name)
+            if self._failed == JOB_DAMAGED:
+                machine.raise_alarm(ALARM_JOB_CHANGED, self._name)
         elif self.line.is_done():
             self._announce_job(0)
             self._end_job(0)
@@ -395,7 +402,7 @@ class Jobs(Feature):
             command = self._machine.command
             if command is not None and command.link is not None and command.link.name == LINK:  # its line will have no answer
                 self.line.answered += 1
-            self._end_job(errors.JOB_STOPPED)
+            self._end_job(JOB_STOPPED)
 
     def _end_job(self, error):
         """Close the file, give the command back to the link before, and say how the job has ended."""
@@ -406,4 +413,4 @@ class Jobs(Feature):
         machine.commander = machine.lender
         machine.lender = -1
         self._ended = self._name, error, self.line.answered
-        machine.notice(errors.NOTICE_JOB_ENDED, self._ended)
+        machine.notice(NOTICE_JOB_ENDED, self._ended)

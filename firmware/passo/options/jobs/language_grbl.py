@@ -12,8 +12,10 @@
 
 from binascii import a2b_base64
 
-from passo import commands, errors
+from passo import errors
 from passo.commands import Command
+from passo.options.jobs.commands import JOB, JOB_CLOSE, JOB_DATA, JOB_DELETE, JOB_LIST, JOB_OPEN, JOB_RUN, JOB_STATE
+from passo.options.jobs.errors import NOTICE_JOB_ENDED
 
 _LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; bytes given at once
 _FRAME = (b"", b"")  # the bytes before a job, and after it
@@ -24,14 +26,14 @@ def extend(protocol, board):
     protocol.stored = _LIMITS, _FRAME, _count_lines, _count_answers
     protocol.raw = b"$F:"
     notices = dict(protocol.notices)  # those of this link: the class has none
-    notices[errors.NOTICE_JOB_ENDED] = end_text
+    notices[NOTICE_JOB_ENDED] = end_text
     protocol.notices = notices
     teach_lines(protocol)
 
 
 def teach_lines(words):
     """Add the `$F` lines to `words`, a Words or a Grbl."""
-    words.learn_lines("$F", commands.JOB, line_commands, answer_text)
+    words.learn_lines("$F", JOB, line_commands, answer_text)
 
 
 def _count_lines(data):
@@ -46,27 +48,27 @@ def _count_answers(said, before, given):
 
 def _job_command(what, target=None):
     """Return [the command JOB with this order]."""
-    return [Command(commands.JOB, target, what)]
+    return [Command(JOB, target, what)]
 
 
 def line_commands(machine, text):
     """The commands of a line in which `text` follows `$F`, or the number of an error."""
     if not text:
-        return _job_command(commands.JOB_LIST)
+        return _job_command(JOB_LIST)
     if text == "?":
-        return _job_command(commands.JOB_STATE)
+        return _job_command(JOB_STATE)
     if text == "E":
-        return _job_command(commands.JOB_CLOSE)
+        return _job_command(JOB_CLOSE)
     if text[:1] == "=" and text[1:]:
-        return _job_command(commands.JOB_RUN, text[1:])
+        return _job_command(JOB_RUN, text[1:])
     if text[:2] == "D=":
-        return _job_command(commands.JOB_DELETE, text[2:])
+        return _job_command(JOB_DELETE, text[2:])
     try:
         if text[:1] == ":":
-            return _job_command(commands.JOB_DATA, a2b_base64(text[1:]))
+            return _job_command(JOB_DATA, a2b_base64(text[1:]))
         if text[:2] == "S=":
             name, language, size, crc, stored = text[2:].split(",")
-            return _job_command(commands.JOB_OPEN, (name, language.lower(), int(size), int(crc, 16), int(stored)))
+            return _job_command(JOB_OPEN, (name, language.lower(), int(size), int(crc, 16), int(stored)))
     except ValueError:
         pass
     return errors.STATEMENT

@@ -16,7 +16,9 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
+from passo.options.jobs.commands import JOB, JOB_CLOSE, JOB_DATA, JOB_DELETE, JOB_LIST, JOB_OPEN, JOB_RUN, JOB_STATE
 from passo.options.jobs.config_names import name_fits
+from passo.options.jobs.errors import JOB_STOPPED, JOB_UPLOAD, STORED_NAME
 from passo.protocols.page.orders import Wrong, number_field, text_field
 
 PIECE = const(300)  # bytes of an upload in a message: with its proof some 600, of which a Pico W has several pieces at any time
@@ -34,7 +36,7 @@ class StoredJobs:
         self._name = ""  # of the upload under way
         self._sent = self._size = 0
         self._closing = self._ran = False
-        machine.add_stored_jobs(self._carry_out, self._take_event)
+        machine.add_stored_jobs(self._carry_out, JOB, self._take_event)
 
     def _carry_out(self, order):
         """Carry out an order: `what` is list, run, delete, begin, piece or end. Returns 0 or an error. Raises Wrong."""
@@ -44,23 +46,23 @@ class StoredJobs:
         if error:
             return error
         if what == "list":
-            return self._queue_job_command(commands.JOB_LIST)
+            return self._queue_job_command(JOB_LIST)
         name = text_field(order, "name", 64)
         if not name_fits(name):
-            return errors.STORED_NAME
+            return STORED_NAME
         if what == "run" or what == "delete":
-            return self._queue_job_command(commands.JOB_RUN if what == "run" else commands.JOB_DELETE, name)
+            return self._queue_job_command(JOB_RUN if what == "run" else JOB_DELETE, name)
         if what == "begin":
             return self._begin_upload(order, name)
         if name != self._name:
-            return errors.JOB_UPLOAD
+            return JOB_UPLOAD
         if what == "piece":
             return self._store_piece(order)
         return self._end_upload() if what == "end" else errors.UNKNOWN_COMMAND
 
     def _queue_job_command(self, what, target=None, answered=None):
-        """Queue a command about jobs; `what`: commands.JOB_LIST …; answered(error) follows. Returns 0 or an error."""
-        return self._machine.queue_command(Command(commands.JOB, target, what), answered or self._ignore_answer)
+        """Queue a command about jobs; `what`: JOB_LIST …; answered(error) follows. Returns 0 or an error."""
+        return self._machine.queue_command(Command(JOB, target, what), answered or self._ignore_answer)
 
     def _ignore_answer(self, error):
         """Do nothing: the answer to the order has the error."""
@@ -81,7 +83,7 @@ class StoredJobs:
             if not error:
                 self._name, self._sent, self._size = name, 0, stored
 
-        return self._queue_job_command(commands.JOB_OPEN, (name, self._language, size, crc, stored), begin_pieces)
+        return self._queue_job_command(JOB_OPEN, (name, self._language, size, crc, stored), begin_pieces)
 
     def _store_piece(self, order):
         """Store the next piece of the upload, in base64. Returns 0 or an error. Raises Wrong."""
@@ -97,26 +99,26 @@ class StoredJobs:
                 self._sent += len(data)
                 self._show_job("store", self._name, self._sent * _PER_CENT // self._size)
 
-        return self._queue_job_command(commands.JOB_DATA, data, count_piece)
+        return self._queue_job_command(JOB_DATA, data, count_piece)
 
     def _end_upload(self):
         """Close the upload; the board reads it back. Returns 0 or an error."""
         self._closing = True
-        return self._queue_job_command(commands.JOB_CLOSE)
+        return self._queue_job_command(JOB_CLOSE)
 
     # --- what the machine says
 
     def _take_event(self, event):
         """Take the answer to a command about jobs: send the list, or show how the job stands."""
         what = event.command.value
-        if what == commands.JOB_CLOSE and self._closing:
+        if what == JOB_CLOSE and self._closing:
             self._closing = False
             self._show_job("failed" if event.error else "kept", self._name, _PER_CENT, event.error)
             self._name = ""
-        elif event.kind == commands.ACCEPTED and what == commands.JOB_LIST:
+        elif event.kind == commands.ACCEPTED and what == JOB_LIST:
             found, (free, more) = event.value
             self._tell({"t": "stored", "jobs": [[entry[0], entry[2]] for entry in found], "free": free, "more": more, "piece": PIECE})
-        elif event.kind == commands.ACCEPTED and what == commands.JOB_STATE:
+        elif event.kind == commands.ACCEPTED and what == JOB_STATE:
             if len(event.value) == 2:
                 self._show_job("run", event.value[0], event.value[1])
             else:
@@ -126,13 +128,13 @@ class StoredJobs:
     def poll(self):
         """Ask for the progress of a stored job that runs; end an upload that a stop has cut while it was read back."""
         machine = self._machine
-        if self._closing and not machine.busy_with(commands.JOB):
+        if self._closing and not machine.busy_with(JOB):
             self._closing = False
-            self._show_job("failed", self._name, _PER_CENT, errors.JOB_STOPPED)
+            self._show_job("failed", self._name, _PER_CENT, JOB_STOPPED)
         runs = machine.runs_stored()
         if runs or self._ran:
             self._ran = runs
-            self._queue_job_command(commands.JOB_STATE)
+            self._queue_job_command(JOB_STATE)
 
     def _show_job(self, how, name, done, error=0, line=0):
         """Show a stored job on all pages; `done`: per cent."""

@@ -1,6 +1,6 @@
 """Stored jobs in the language of pulse codes, streamed. Their blocks of CREDIT are answered, and the end."""
 
-from passo import errors
+from passo.options.jobs.errors import NOTICE_JOB_ENDED
 from passo.options.jobs.language_grbl import end_text, teach_lines
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
 from passo.protocols.words import Words
@@ -26,5 +26,5 @@ def extend(protocol, board):
     """Add the `$F` lines, the notice, and the counting of answers to a link's protocol."""
     protocol.stored = LIMITS, FRAME, count_units, count_answers
     words = Words.words_of(protocol)
-    words.notices[errors.NOTICE_JOB_ENDED] = end_text
+    words.notices[NOTICE_JOB_ENDED] = end_text
     teach_lines(words)

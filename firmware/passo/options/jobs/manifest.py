@@ -1,7 +1,7 @@
 """The key `jobs`: programs kept on the board, and run without a PC. Only loaded if the board file has it."""
 
-from passo.commands import JOB
 from passo.config.board_error import BoardError, want_input
+from passo.options.jobs.commands import JOB
 from passo.options.jobs.config_names import LINK, LONGEST_NAME, name_fits
 
 HEAP_KB = 14  # of a Pico with stock MicroPython; host_tools/build/budget.py adds what an upload wants

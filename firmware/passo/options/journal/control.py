@@ -127,6 +127,7 @@ class JobJournal(Feature):
 
     def handlers(self):
         self._counted = self._machine.job  # of a feature that is made in any order
+        commands.RIGHTS[commands.JOURNAL] = commands.ASKS | commands.OF_LENDER
         return {commands.JOURNAL: self._do_journal}
 
     def _do_journal(self, command):

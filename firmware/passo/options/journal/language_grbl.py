@@ -24,7 +24,7 @@ def teach_lines(words):
 def line_commands(machine, text):
     """The commands of a line in which `text` follows `$JR`, or the number of an error."""
     if not text:
-        return [Command(commands.JOURNAL)]
+        return [Command(commands.JOURNAL, value=None)]
     number, comma, rest = text[1:].partition(",")
     try:
         job = int(number, 16)

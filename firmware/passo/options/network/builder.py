@@ -72,8 +72,9 @@ def _join_broker(board, lines):
     for link in board["links"]:
         line = lines[link["name"]] if link["port"] == "page" else None
         if hasattr(line, "join_broker"):  # else the radio is off
-            text_of = __import__("passo.error_texts", None, None, ("text",)).text  # imported at the start: an import takes memory in pieces, and time, while the machine moves
-            line.join_broker(__import__("passo.web.broker", None, None, ("Broker",)).Broker(board["network"], link["protocol"], line.stop, umqtt, text_of))
+            texts = __import__("passo.error_texts", None, None, ("text",))
+            texts.load()  # at the start: an import takes memory in pieces, and time, while the machine moves
+            line.join_broker(__import__("passo.web.broker", None, None, ("Broker",)).Broker(board["network"], link["protocol"], line.stop, umqtt, texts.text))
 
 
 def join(links, controller):

@@ -15,14 +15,13 @@ from passo.records import COUNT_MASK, NETWORK_PORTS
 
 _MINUTE_MS = const(60_000)
 _MOST_MINUTES = const(60)
-_PRESENT = (commands.SPINDLE, commands.RESUME, commands.JOB)
 
 
 def _starts_work(command):
     """Return True for a command that starts the tool or a program: somebody has to be at the machine."""
     if command.kind == commands.SPINDLE:
         return command.value != commands.SPINDLE_OFF
-    return command.kind == commands.RESUME or command.value == commands.JOB_RUN
+    return not command.value
 
 
 class Admission(Feature):
@@ -39,13 +38,14 @@ class Admission(Feature):
         self._length_ms = 0
 
     def handlers(self):
+        commands.RIGHTS[commands.ADMIT] = commands.ANY_LINK
         return {commands.ADMIT: self._do_admit}
 
     def guard(self, handlers):
         """Wrap the handlers that need somebody at the machine."""
         if self._presence:
-            for kind in _PRESENT:
-                if kind in handlers:
+            for kind in handlers:
+                if kind == commands.SPINDLE or commands.RIGHTS.get(kind, 0) & commands.STARTS:
                     handlers[kind] = self._with_presence(handlers[kind])
 
     def _with_presence(self, handler):

@@ -37,6 +37,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._from = 0  # the start of the walk under way
 
     def handlers(self):
+        commands.RIGHTS[commands.STEP_PROGRAM] = commands.NEVER_WAITS | commands.OF_LENDER
         return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
 
     def owns_axes(self):

@@ -64,6 +64,7 @@ class PageMachine:
         self.said = []  # (command, answered) to be carried out; answered(error): its result
         self.unanswered = []  # the same of those that have been
         self.kinds = {}  # kind of command: heard(event), for its further answers
+        self._aside = -1  # the kind of commands that make the page's machine busy with nothing
         self.position = None  # mm, machine coordinates
         self._now_ms = self._measured_ms = 0
         self._measured = None  # steps, by the report before
@@ -111,10 +112,11 @@ class PageMachine:
             self.note_result(error)
         return error
 
-    def add_stored_jobs(self, order, heard):
-        """Add the orders for jobs that the board stores. `order(order)` carries one out; `heard(event)` gets the answers to its commands."""
+    def add_stored_jobs(self, order, kind, heard):
+        """Add the orders for jobs that the board stores. `order(order)` carries one out, by commands of `kind`; `heard(event)` gets their answers."""
         self.orders["stored"] = order
-        self.kinds[commands.JOB] = heard
+        self.kinds[kind] = heard
+        self._aside = kind
         self.can = self.can + ("kept",)
 
     def busy_with(self, kind):
@@ -251,7 +253,7 @@ class PageMachine:
 
     def busy_error(self):
         """0, or BUSY: a jog, a motion or a command is under way, so nothing else may begin."""
-        if self.jog.active or self.state["state"] not in self.stood or [1 for command, _ in self.unanswered if command.kind != commands.JOB]:
+        if self.jog.active or self.state["state"] not in self.stood or [1 for command, _ in self.unanswered if command.kind != self._aside]:
             return errors.BUSY
         return 0
 
