@@ -51,7 +51,6 @@ ZERO = const(31)  # machine zero is here; only at a stand, and where homing has 
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 # Settings and counts.
 STILL = const(33)  # accepted at a stand, else refused as BUSY; `value`: (steps, steps/s) of a jog of each axis, which are kept, or 0
-ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 SETTING = const(35)  # `target`: its number, None: which there are; `value`: in thousandths, None: tell it, or `tool`: as the board file has it
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
 # Weaving.
@@ -73,7 +72,7 @@ ANY_LINK = const(4)  # also of a link that does not command
 ASKS = const(8)  # the same, if it has no `value` and no `tool`
 OF_LENDER = const(16)  # also of the link that has started a stored job, while it runs
 STARTS = const(32)  # with a `value` of 0 it starts tool or program: somebody has to be at the machine if the board file says so
-# Which of these each kind is. A feature of few machines adds its own kinds.
+# Which of these each kind is. Options add their own kinds.
 RIGHTS = {
     BAD: NEVER_WAITS | HARMLESS, HELLO: NEVER_WAITS | HARMLESS, STATUS: NEVER_WAITS | HARMLESS, STOP: NEVER_WAITS | HARMLESS,
     HOLD: NEVER_WAITS | HARMLESS, DOOR: NEVER_WAITS | HARMLESS, JOG_CANCEL: NEVER_WAITS | HARMLESS, RESET: NEVER_WAITS | HARMLESS,
@@ -115,11 +114,6 @@ AT_REST = const(0)  # Run.when: refused while anything moves
 AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
-
-# The kit of two motors, which is controlled by keys.
-KIT_MOTORS = const(2)
-KIT_STEP_MS = const(4)  # between steps at speed 1
-KIT_SLOWEST = const(127)  # speed
 
 # STEP_PROGRAM_ADD
 STEPS_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole

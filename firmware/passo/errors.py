@@ -2,7 +2,8 @@
 a board loads only when somebody asks.
 
 Numbers up to 199 are errors: a command was refused and nothing moved. From 200 they are alarms: the machine stopped
-and must be homed. If grbl 1.1 has a number for the same thing it is that number, its alarms 200 higher.
+and must be homed. If grbl 1.1 has a number for the same thing it is that number, its alarms 200 higher. Numbers that only an option or a
+language uses lie in errors.py of its folder.
 """
 
 from micropython import const
@@ -64,12 +65,7 @@ GARBLED = const(115)
 STOPPED = const(116)
 NO_MOTORS = const(117)
 HOST_LOST = const(118)
-FRAME_LATE = const(119)
-NO_CODE = const(120)
-NUMBER_MISSING = const(121)
 NUMBER_RANGE = const(122)
-CUT_OFF = const(123)
-NO_CONTROL = const(124)
 NO_STEP_PROGRAM = const(125)
 STEP_PROGRAM_FULL = const(126)
 RETURN_OR_CONTINUE = const(127)
@@ -77,12 +73,7 @@ PASSES = const(128)
 NO_MEMORY = const(129)
 DRIVES_OFF = const(130)
 INTERLOCKED = const(131)
-SPINDLE_TURNS = const(132)
 TOOL_ON = const(133)
-STEPS_MADE_UP = const(140)
-POSITION_VERIFIED = const(141)
-SQUARED = const(142)
-COUNTS_LOST = const(143)
 NO_ANSWER = const(170)
 LEASE = const(171)
 NO_SESSION = const(172)
@@ -113,31 +104,16 @@ ALARM_SENSOR_STUCK = const(208)
 ALARM_SENSOR_DEAD = const(209)
 ALARM_TWO_MOTORS = const(210)
 ALARM_HOMING_REQUIRED = const(211)
-ALARM_INTERLOCK = const(220)
-ALARM_STEPS_MISSING = const(230)
-ALARM_GANTRY = const(231)
-ALARM_INVERTER_SILENT = const(240)
-ALARM_INVERTER_GARBLED = const(241)
-ALARM_INVERTER_FAULT = const(242)
-ALARM_INVERTER_REFUSED = const(243)
 ALARM_SPINDLE_SPEED = const(244)
-ALARM_INVERTER_LATE = const(245)
-ALARM_DRIVER_SILENT = const(221)
-ALARM_DRIVER_DIFFERS = const(222)
-ALARM_DRIVER_FAULT = const(223)
-ALARM_DRIVER_POWER = const(224)
 ALARM_HOST_LOST = const(250)
 ALARM_POWER = const(251)
 # Ways in which an alarm differs from a stop at once that releases the motors.
 AT_STAND, KEEPS_CURRENT, NEEDS_RESET, OUTPUTS_OFF = 1, 2, 4, 8
 # AT_STAND: the machine comes to its stand, and keeps its position; OUTPUTS_OFF: there its outputs go off. NEEDS_RESET: only a reset ends it.
-# A feature of few machines adds its own alarms.
+# Options add their own alarms.
 ALARMS = {
     ALARM_HARD_LIMIT: KEEPS_CURRENT | NEEDS_RESET, ALARM_SOFT_LIMIT: AT_STAND | NEEDS_RESET, ALARM_RESET: KEEPS_CURRENT,
     ALARM_PROBE_STATE: AT_STAND, ALARM_PROBE_MISSED: AT_STAND, ALARM_HOST_LOST: AT_STAND | OUTPUTS_OFF,
-    ALARM_INVERTER_SILENT: AT_STAND | OUTPUTS_OFF, ALARM_INVERTER_GARBLED: AT_STAND | OUTPUTS_OFF, ALARM_INVERTER_FAULT: AT_STAND | OUTPUTS_OFF,
-    ALARM_INVERTER_REFUSED: AT_STAND | OUTPUTS_OFF, ALARM_SPINDLE_SPEED: AT_STAND | OUTPUTS_OFF, ALARM_INVERTER_LATE: AT_STAND | OUTPUTS_OFF,
-    ALARM_INTERLOCK: KEEPS_CURRENT | NEEDS_RESET, ALARM_STEPS_MISSING: KEEPS_CURRENT, ALARM_GANTRY: KEEPS_CURRENT,
 }  # fmt: skip
 # Switches and encoders are watched, and the motors stay this board's, for the position of some axes is known.
 WATCHED = (NONE, ALARM_HOMING_REQUIRED)
@@ -155,7 +131,5 @@ NOTICE_HANDED_OVER = const(9)
 NOTICE_PAUSE = const(10)
 NOTICE_TOOL = const(11)  # with the number of the tool
 NOTICE_SPINDLE = const(12)
-NOTICE_STEPS_MISSING = const(13)  # with which, and where
-NOTICE_GANTRY = const(14)  # with both counts
 NOTICE_HOMING_REQUIRED = const(16)  # with the names of the axes
 NOTICE_NO_LIMITS = const(17)

@@ -14,6 +14,7 @@ from host_tools.cli.options import AnyBaud, Port
 from host_tools.failure import Failure
 from host_tools.language import _, count_text
 from passo import errors
+from passo.protocols.pulses.errors import NO_CONTROL
 
 app = typer.Typer(help="Programs kept on the board: list, store, check, delete and run them.", no_args_is_help=True)
 
@@ -23,7 +24,7 @@ _MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
 _MORE = re.compile(r"\[MORE:(\d+)\]")
-_UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
+_UNKNOWN = (errors.STATEMENT, NO_CONTROL)
 
 Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grbl, pulses or plotter.")]
 

@@ -60,7 +60,7 @@ def keys(
 
 def parse_keys(text):
     """Convert words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
-    from passo.commands import KIT_SLOWEST
+    from passo.protocols.keys.kit import KIT_SLOWEST
 
     items = []
     for speed, number, key, amount, unit, other in _TOKEN.findall(text):
@@ -125,7 +125,7 @@ class Kit:
                 self.on[motor] = False
 
     def __str__(self):
-        from passo.commands import KIT_STEP_MS
+        from passo.protocols.keys.kit import KIT_STEP_MS
 
         motors = []
         for motor in range(2):

@@ -10,6 +10,7 @@ from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.programs.job_record import BACK, DONE
 from passo import errors
+from passo.protocols.pulses.errors import NO_CONTROL
 
 _JOG = 999_999  # steps in one order
 
@@ -69,7 +70,7 @@ def tell_journal(client, line):
     try:
         client.ask(line)
     except Refused as refused:
-        if refused.number not in (errors.STATEMENT, errors.NO_CONTROL):
+        if refused.number not in (errors.STATEMENT, NO_CONTROL):
             raise
 
 

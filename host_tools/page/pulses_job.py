@@ -12,6 +12,7 @@ from host_tools.clients.pulses_wire import END, brace_in
 from host_tools.clients.grbl_wire import LOST
 from passo import errors
 from passo.commands import STEPS_ABORT
+from passo.protocols.pulses.errors import NO_CODE
 from passo.protocols.pulses.protocol import Pulses, frame
 
 _PIECE = const(256)  # bytes of a file in one call
@@ -56,7 +57,7 @@ class PulsesJob:
         if not data:
             return errors.NO_STEP_PROGRAM
         if brace_in(data):
-            return errors.NO_CODE
+            return NO_CODE
         self.name = name
         self._data = data
         self._passes = passes

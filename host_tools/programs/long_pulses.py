@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from host_tools.failure import Failure, reason
+from passo.protocols.pulses.errors import NO_CODE, NUMBER_MISSING
 
 BLOCK = 1 << 18
 _TOKEN = re.compile(rb"[A-Z\s]+|[*+]\d+|[\[\]()$@]")
@@ -96,7 +97,7 @@ class LongFile:
         if at == len(block):
             return
         if error is None:
-            error = errors.NUMBER_MISSING if block[at : at + 1] in b"*+" else errors.NO_CODE
+            error = NUMBER_MISSING if block[at : at + 1] in b"*+" else NO_CODE
         before = self._read_bytes(0, state.at) + block[:at]
         line, column = before.count(b"\n") + 1, at + state.at - (before.rfind(b"\n") + 1) + 1
         raise Failure("{}:{}:{}: error {}: {}", self._path, line, column, error, error_text(error))

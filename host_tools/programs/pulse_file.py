@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from host_tools.failure import Failure, reason
+from passo.protocols.pulses.errors import NO_CODE
 
 _LETTERS = {}
 
@@ -11,7 +12,6 @@ def load_pulses(path):
     """Read the bytes of a pulse file. Raises Failure, also if it has a control command in braces."""
     from host_tools.clients.pulses_wire import brace_in
     from host_tools.language import error_text
-    from passo import errors
 
     try:
         data = Path(path).read_bytes()
@@ -19,7 +19,7 @@ def load_pulses(path):
         raise Failure("cannot read {}: {}", path, reason(error)) from error
     brace = brace_in(data)
     if brace:
-        raise Failure("{}:{}:{}: error {}: {}", path, *brace, errors.NO_CODE, error_text(errors.NO_CODE))
+        raise Failure("{}:{}:{}: error {}: {}", path, *brace, NO_CODE, error_text(NO_CODE))
     return data
 
 

@@ -2,6 +2,7 @@
 
 from passo import errors
 from passo.config.boardfile import check
+from passo.options.output_clamp.errors import SPINDLE_TURNS
 from router import PLAIN, Machine
 
 VACUUM, CLAMP = {"name": "vacuum", "pin": 17, "active": 1}, {"name": "clamp", "pin": 18, "active": 1}
@@ -83,7 +84,7 @@ def check_a_clamp_lets_go_at_a_stand_and_never_beneath_a_spindle():
     machine = machine_with(CLAMP)
     machine.do("M10", "M3 S900")
     machine.settle()
-    refused = "error:%d" % errors.SPINDLE_TURNS
+    refused = "error:%d" % SPINDLE_TURNS
     assert machine.ask("M11")[-1] == refused and on(machine, "clamp") == 1
     machine.put(b"!")
     machine.cycles(50)
@@ -101,7 +102,7 @@ def check_numbers():
     machine.do("M64 P1", "M64 P2", "M64 P0")
     assert (on(machine, "p1_vacuum"), on(machine, "p2_clamp"), on(machine, "p0")) == (1, 0, 1)
     machine.do("M3 S900")
-    assert machine.ask("M65 P2")[-1] == "error:%d" % errors.SPINDLE_TURNS
+    assert machine.ask("M65 P2")[-1] == "error:%d" % SPINDLE_TURNS
     machine.do("M5", "M11", "M65 P1")
     assert (on(machine, "p1_vacuum"), on(machine, "p2_clamp"), on(machine, "p0")) == (0, 1, 1)
     for line in ("M64 P3", "M62 P1", "M63 P2"):

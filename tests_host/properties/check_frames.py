@@ -1,12 +1,12 @@
 """Frames: their bytes come once, in order, unchanged or not at all; a link without frames works as without this option."""
 
 from draws import Random
-from passo import errors
 from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
-from passo.protocols.frames.strays import Strays
+from passo.protocols.frames.errors import FRAME_LATE
 from passo.protocols.frames.line import FramedLine
+from passo.protocols.frames.strays import Strays
 from passo.protocols.grbl.lines import Lines
 from passo.protocols.grbl.protocol import Grbl
 
@@ -282,7 +282,7 @@ def check_a_late_frame_is_dropped(seed):
             late[random.between(1, len(late) - 1)] = random.between(1, 255)
         assert wire.hear(b"G1Z1\n" + bytes(late), random.between(1, 64)) == b"G1Z1\n", late
         wire.now_ms += 100
-        assert wire.hear(b"") == b"" and set(wire.noted) == {errors.FRAME_LATE}
+        assert wire.hear(b"") == b"" and set(wire.noted) == {FRAME_LATE}
         wire.noted.clear()
         wire.now_ms += 900
         assert wire.hear(b"G1Z2\n") == b"G1Z2\n"
@@ -299,7 +299,7 @@ def check_noise_amid_lines(seed):
     assert Wire().hear(noisy, 64) == noisy
     wire = left(random)
     heard = wire.hear(noisy, 64)
-    assert heard == lines[:at] + b"\0" + lines[at + codec.LONGEST :] and wire.noted == [errors.FRAME_LATE]
+    assert heard == lines[:at] + b"\0" + lines[at + codec.LONGEST :] and wire.noted == [FRAME_LATE]
 
 
 class Language:
@@ -362,7 +362,7 @@ def check_bytes_of_packets(seed):
     assert heard + wire.hear(b"") == packets
     assert wire.put(codec.frame(DATA, 7, 0, 15, packets[:60])) == b""
     wire.now_ms += 4
-    assert wire.hear(b"").strip(b"\0") == b"" and wire.noted == [errors.FRAME_LATE]
+    assert wire.hear(b"").strip(b"\0") == b"" and wire.noted == [FRAME_LATE]
 
 
 def check_any_bytes_are_survived(seed):

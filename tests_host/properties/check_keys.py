@@ -2,13 +2,14 @@
 
 from boards.two_motor_kit import BOARD
 from check_control import copy
-from passo import commands, errors
+from passo import errors
 from passo.app import App
 from passo.commands import BAD, FOREVER, REST, RUN
 from passo.config.boardfile import BoardError, check
 from passo.control.motors import RELEASED
 from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.keys import protocol as keys
+from passo.protocols.keys.kit import KIT_SLOWEST, KIT_STEP_MS
 from passo.protocols.keys.protocol import Keys
 
 TICKS_PER_MS = 12_500
@@ -269,7 +270,7 @@ def check_every_byte():
         if bytes((byte,)) not in (b"A", b"B", b"C", b"D", b"E", b"F", b"G", b"H", b"I", b"J", b"?", b"$"):
             command = list(language.feed(bytes((byte,)), 0))[0]
             assert command.kind == BAD and command.error == errors.UNKNOWN_COMMAND
-    assert commands.KIT_STEP_MS == 4 and commands.KIT_SLOWEST == 127
+    assert KIT_STEP_MS == 4 and KIT_SLOWEST == 127
 
 
 def check_a_speed_that_does_not_come():

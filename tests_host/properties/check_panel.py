@@ -8,11 +8,11 @@ from draws import Random
 from panel_desk import Desk
 from passo import errors
 from passo.options.jobs.errors import NO_JOB, STORED_NAME
-from passo.records import TICKS_PER_MS
 from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import FRESH_MS, LEASE_MS, Lease
-from passo.web.pace import Pace
 from passo.protocols.page.orders import too_deep
+from passo.records import TICKS_PER_MS
+from passo.web.pace import Pace
 from passo.web.session import Hmac, Session
 from host_tools.clients.page_key import in_groups, make_key, read_key
 from host_tools.page.teach import lines_of

@@ -2,6 +2,7 @@
 
 from draws import Random
 from passo import errors
+from passo.protocols.pulses.errors import NO_CODE, NUMBER_MISSING
 from passo.records import TICKS_PER_MS
 from pulses_desk import PulsesDesk
 
@@ -43,7 +44,7 @@ def check_no_file_commands_the_machine():
         for text in (command + FILE, FILE[:20] + command + FILE[20:], FILE + "\n" + command):
             desk = loaded(text)
             before = desk.place()
-            assert desk.order("run", name="a.txt") == errors.NO_CODE, text
+            assert desk.order("run", name="a.txt") == NO_CODE, text
             desk.settle()
             assert desk.place() == before and desk.machine.state["state"] == "Idle"
 
@@ -88,13 +89,13 @@ def check_what_is_wrong_is_named():
     for check in (True, False):
         assert desk.order("run", name="a.txt", check=check) == 0
         job = desk.job()
-        assert (job["how"], job["error"], job["row"], job["column"]) == ("failed", errors.NUMBER_MISSING, 2, 2), job
+        assert (job["how"], job["error"], job["row"], job["column"]) == ("failed", NUMBER_MISSING, 2, 2), job
         desk.settle()
     assert desk.place() == [0, 0, 0]
     desk.store.put_job("a.txt", "AA" * 300 + "?" + "A" * 300)
     assert desk.order("run", name="a.txt") == 0
     job = desk.job()
-    assert (job["error"], job["row"], job["column"]) == (errors.NO_CODE, 1, 601), job
+    assert (job["error"], job["row"], job["column"]) == (NO_CODE, 1, 601), job
     desk.settle()
     assert desk.order("step", by={"x": 1}, speed=1) == 0
     desk.settle()
@@ -113,7 +114,7 @@ def check_a_file_that_the_board_cannot_keep_is_streamed():
     desk.store.put_job("a.txt", text + "?")
     desk.settle()
     assert desk.order("run", name="a.txt", check=True) == 0
-    assert desk.job()["error"] == errors.NO_CODE
+    assert desk.job()["error"] == NO_CODE
 
 
 def check_a_jog_ends():

@@ -163,6 +163,8 @@ def import_faults(source, path):
     own += tuple(f"passo.options.{option}" for option in options_open_to(path))
     if option_of(path) and path.stem.startswith("language_"):
         own += ("passo.protocols." + path.stem.partition("_")[2],)  # the language it adds to
+    if path.parts[:3] == ("passo", "protocols", "page"):
+        own += ("passo.protocols." + path.stem,)  # the language that this page is for
     allowed = MAY_IMPORT.get(room, ()) + own
     built_ins = BUILT_INS | MORE_BUILT_INS.get(room, set())
     faults = []

@@ -12,6 +12,7 @@ from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.control.quality import Quality
+from passo.options.gantry.errors import SQUARED
 from passo.protocols.grbl.homing import homing_lines
 
 PULL_OFF = 640
@@ -79,7 +80,7 @@ def test_a_racked_gantry_comes_out_square(racked, offset):
     assert router.plant.skew_steps() == racked
     router.go("$H")
     assert router.plant.skew_steps() == 0 and router.plant.position == [0, 0, 0] == router.controller.position()
-    assert not router.noted(errors.SQUARED), "counts of before the homing must not matter"
+    assert not router.noted(SQUARED), "counts of before the homing must not matter"
     router.go("G90")
     router.go("G1X10F2000")
     assert router.plant.skew_steps() == 0 and router.plant.position[0] == 3200

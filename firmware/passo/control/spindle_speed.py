@@ -2,6 +2,7 @@
 
 from micropython import const
 
+from passo import errors
 from passo.config import setting_numbers as table
 from passo.control.feature import Feature
 from passo.records import COUNT_MASK
@@ -21,6 +22,7 @@ class SpindleSpeed(Feature):
         self._slow = 0
         self.at_speed = True  # or nobody asks for one; measured
         machine.gauge = self
+        errors.ALARMS[errors.ALARM_SPINDLE_SPEED] = errors.AT_STAND | errors.OUTPUTS_OFF
         self._rpm_of = None  # the rpm and override from which `_rpm` was computed
         self._rpm = 0
 

@@ -7,6 +7,7 @@ from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.options.drivers import config as tmc2209
+from passo.options.drivers.errors import ALARM_DRIVER_DIFFERS, ALARM_DRIVER_FAULT, ALARM_DRIVER_POWER, ALARM_DRIVER_SILENT
 
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
@@ -108,23 +109,23 @@ def test_motion_waits_for_the_drivers():
 
 
 @pytest.mark.parametrize("fault, alarm, said", [
-    (lambda drivers: setattr(drivers["y"], "dead", True), errors.ALARM_DRIVER_SILENT, "driver of y: no answer"),
-    (lambda drivers: setattr(drivers["z"], "address", 2), errors.ALARM_DRIVER_SILENT, "driver of z: no answer"),
-    (lambda drivers: setattr(drivers["z"], "address", 1), errors.ALARM_DRIVER_DIFFERS, "driver of y: 14 of 7 registers taken"),
-    (lambda drivers: drivers["x"].registers.update({0x06: 0x20000000}), errors.ALARM_DRIVER_DIFFERS, "driver of x: version 20"),
-    (lambda drivers: setattr(drivers["x"], "frozen", (0x6C,)), errors.ALARM_DRIVER_DIFFERS, "driver of x: register 6c is 10000053"),
-    (lambda drivers: setattr(drivers, "garbles", 1000), errors.ALARM_DRIVER_SILENT, "driver of x: no answer"),
+    (lambda drivers: setattr(drivers["y"], "dead", True), ALARM_DRIVER_SILENT, "driver of y: no answer"),
+    (lambda drivers: setattr(drivers["z"], "address", 2), ALARM_DRIVER_SILENT, "driver of z: no answer"),
+    (lambda drivers: setattr(drivers["z"], "address", 1), ALARM_DRIVER_DIFFERS, "driver of y: 14 of 7 registers taken"),
+    (lambda drivers: drivers["x"].registers.update({0x06: 0x20000000}), ALARM_DRIVER_DIFFERS, "driver of x: version 20"),
+    (lambda drivers: setattr(drivers["x"], "frozen", (0x6C,)), ALARM_DRIVER_DIFFERS, "driver of x: register 6c is 10000053"),
+    (lambda drivers: setattr(drivers, "garbles", 1000), ALARM_DRIVER_SILENT, "driver of x: no answer"),
 ])  # fmt: skip
 def test_a_fault_at_the_start_is_an_alarm_that_names_the_axis(fault, alarm, said):
     """Nothing moves, also if somebody unlocks: the drivers are asked anew, and the alarm comes again."""
     router = Router(fault, run_ms=600)
-    if alarm == errors.ALARM_DRIVER_DIFFERS and "of 7" in said:
-        assert router.alarm in (alarm, errors.ALARM_DRIVER_SILENT)
+    if alarm == ALARM_DRIVER_DIFFERS and "of 7" in said:
+        assert router.alarm in (alarm, ALARM_DRIVER_SILENT)
     else:
         assert router.alarm == alarm and any(said in entry for entry in router.log()), router.log()
     router.machine.send(b"$X\nG91G1X5F600\n")
     router.machine.run_ms(1000)
-    assert router.alarm in (alarm, errors.ALARM_DRIVER_SILENT) and list(router.plant.position) == [3000, 2000, -4000]
+    assert router.alarm in (alarm, ALARM_DRIVER_SILENT) and list(router.plant.position) == [3000, 2000, -4000]
 
 
 def test_two_garbled_replies_are_asked_for_again():
@@ -133,11 +134,11 @@ def test_two_garbled_replies_are_asked_for_again():
 
 
 @pytest.mark.parametrize("fault, alarm, said, within_ms", [
-    (lambda driver: setattr(driver, "dead", True), errors.ALARM_DRIVER_SILENT, "driver of y: no answer", 250),
-    (lambda driver: driver.power_cycle(), errors.ALARM_DRIVER_POWER, "driver of y: reset", 150),
-    (lambda driver: driver.registers.update({0x01: 4}), errors.ALARM_DRIVER_POWER, "driver of y: undervoltage", 150),
-    (lambda driver: setattr(driver, "status", 0x80000003), errors.ALARM_DRIVER_FAULT, "driver of y: overheated", 150),
-    (lambda driver: setattr(driver, "status", 0x80000010), errors.ALARM_DRIVER_FAULT, "driver of y: short", 150),
+    (lambda driver: setattr(driver, "dead", True), ALARM_DRIVER_SILENT, "driver of y: no answer", 250),
+    (lambda driver: driver.power_cycle(), ALARM_DRIVER_POWER, "driver of y: reset", 150),
+    (lambda driver: driver.registers.update({0x01: 4}), ALARM_DRIVER_POWER, "driver of y: undervoltage", 150),
+    (lambda driver: setattr(driver, "status", 0x80000003), ALARM_DRIVER_FAULT, "driver of y: overheated", 150),
+    (lambda driver: setattr(driver, "status", 0x80000010), ALARM_DRIVER_FAULT, "driver of y: short", 150),
 ])  # fmt: skip
 def test_a_fault_while_it_moves_stops_the_machine_and_takes_the_current_off(fault, alarm, said, within_ms):
     router = Router()

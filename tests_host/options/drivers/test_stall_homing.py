@@ -7,9 +7,9 @@ import pytest
 from asked import Asked
 
 from host_tools import boards
-from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.options.drivers.errors import ALARM_DRIVER_DIFFERS, ALARM_DRIVER_POWER, ALARM_DRIVER_SILENT
 
 FULL = 16  # steps of a full step
 STALL = 45  # of SG_RESULT 200 in the plant
@@ -247,7 +247,7 @@ def test_a_silent_driver_is_an_alarm_before_anything_moves():
     machine.machine.drivers["x"].dead = True
     before = list(machine.plant.position)
     assert "ALARM" in machine.ask("$HX") and machine.plant.position == before
-    assert machine.machine.app.controller.machine.alarm == errors.ALARM_DRIVER_SILENT
+    assert machine.machine.app.controller.machine.alarm == ALARM_DRIVER_SILENT
 
 
 def test_power_that_fails_at_any_moment_of_homing_is_an_alarm():
@@ -262,7 +262,7 @@ def test_power_that_fails_at_any_moment_of_homing_is_an_alarm():
         machine.machine.drivers["x"].power_cycle()
         machine.machine.run_ms(250)
         record = machine.machine.app.controller.machine
-        assert record.alarm in (errors.ALARM_DRIVER_POWER, errors.ALARM_DRIVER_DIFFERS), (delay_ms, record.alarm)
+        assert record.alarm in (ALARM_DRIVER_POWER, ALARM_DRIVER_DIFFERS), (delay_ms, record.alarm)
         assert not record.homed and not machine.plant.enabled, delay_ms
 
 
@@ -288,7 +288,7 @@ def test_power_that_fails_as_homing_ends_is_not_overlooked():
     machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 300_000)
     drivers["y"].registers[0x01] |= 4
     machine.machine.run_ms(400)
-    assert machine.machine.app.controller.machine.alarm == errors.ALARM_DRIVER_POWER
+    assert machine.machine.app.controller.machine.alarm == ALARM_DRIVER_POWER
 
 
 @pytest.mark.parametrize("change, words", [

@@ -10,6 +10,7 @@ from host_tools import boards
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.options.encoders.errors import ALARM_STEPS_MISSING, COUNTS_LOST, POSITION_VERIFIED, STEPS_MADE_UP
 
 LIMIT = 8
 
@@ -47,9 +48,9 @@ def test_what_is_lost_is_made_up_for_at_the_end_of_the_move():
             router.plant.slip_motor(motor, steps if fault == "slip" else -steps)
         back = "-" if turn % 2 else ""
         router.go(f"G1X{back}5Y{back}4Z{back}3F2000")
-        assert router.noted(errors.STEPS_MADE_UP)[-1] == f"{motor} {lost:+d}", "its size, exactly"
+        assert router.noted(STEPS_MADE_UP)[-1] == f"{motor} {lost:+d}", "its size, exactly"
         assert router.off() == [0, 0, 0] and router.controller.state == "idle"
-    assert len(router.noted(errors.STEPS_MADE_UP)) == 12
+    assert len(router.noted(STEPS_MADE_UP)) == 12
     assert router.controller.position() == [0, 0, 0]
 
 
@@ -66,8 +67,8 @@ def test_a_stalled_motor_is_an_alarm_that_tells_how_many_steps_and_where(motor, 
     a_check = 3 * feed * steps_mm // 60_000 + 2
     assert LIMIT < missing <= LIMIT + a_check
     assert places == " ".join(f"{axis}{at + (missing if axis == motor else 0)}" for axis, at in zip("xyz", router.controller.position()))
-    assert router.noted(errors.ALARM_STEPS_MISSING) == [f"{motor} {number} at {places}"]
-    assert router.noted(errors.POSITION_VERIFIED) == [f"{motor} {number}"], "known to the step once it stands"
+    assert router.noted(ALARM_STEPS_MISSING) == [f"{motor} {number} at {places}"]
+    assert router.noted(POSITION_VERIFIED) == [f"{motor} {number}"], "known to the step once it stands"
     assert router.plant.carriages["xyz".index(motor)].lost == missing
     assert router.off() == [0, 0, 0] and not router.controller.machine.homed
 
@@ -80,7 +81,7 @@ def test_a_motor_that_is_turned_while_it_stands_is_an_alarm():
     assert router.controller.state == "idle"
     router.plant.slip_motor("y", 1)
     router.machine.run_ms(50)
-    assert b"ALARM:30" in router.machine.take() and router.noted(errors.ALARM_STEPS_MISSING)[0].startswith("y +9 at")
+    assert b"ALARM:30" in router.machine.take() and router.noted(ALARM_STEPS_MISSING)[0].startswith("y +9 at")
 
 
 def test_counts_that_never_came_are_found_too():
@@ -95,13 +96,13 @@ def test_the_index_pulse_tells_an_encoder_that_loses_counts_from_a_motor_that_lo
     router = Router(made=made)
     router.go("G1X20F3000")
     router.go("G1X-40F3000")
-    assert not router.noted(errors.COUNTS_LOST)
+    assert not router.noted(COUNTS_LOST)
     router.plant.slip_motor("x", 30)
     router.go("G1X20F3000")
-    assert not router.noted(errors.COUNTS_LOST), "the motor is somewhere else, and so is its encoder"
+    assert not router.noted(COUNTS_LOST), "the motor is somewhere else, and so is its encoder"
     router.plant.lose_counts("x", 150)
     router.go("G1X20F3000")
-    assert router.noted(errors.COUNTS_LOST) == ["x -150 counts"]
+    assert router.noted(COUNTS_LOST) == ["x -150 counts"]
 
 
 def test_made_up_in_vain_is_an_alarm():
@@ -113,8 +114,8 @@ def test_made_up_in_vain_is_an_alarm():
     router.machine.run_ms(100)
     router.go("G1Y1F1000")
     router.machine.run_ms(5000)
-    assert len(router.noted(errors.STEPS_MADE_UP)) <= 3
-    assert router.controller.machine.alarm == errors.ALARM_STEPS_MISSING
+    assert len(router.noted(STEPS_MADE_UP)) <= 3
+    assert router.controller.machine.alarm == ALARM_STEPS_MISSING
 
 
 @pytest.mark.parametrize("counts, home", [(5, "$H"), (-15, "$H"), (10, "$HX")])
@@ -159,7 +160,7 @@ def test_after_a_halt_at_speed_the_position_is_verified():
     router.machine.send(b"\x18")
     router.machine.run_ms(200)
     assert "ALARM:3" in router.machine.take().decode()
-    assert router.noted(errors.POSITION_VERIFIED) == ["x +3"]
+    assert router.noted(POSITION_VERIFIED) == ["x +3"]
     machine = router.controller.machine
     assert machine.homed and router.plant.position == router.controller.position()
 
@@ -171,7 +172,7 @@ def test_motors_without_current_may_be_turned_by_hand():
     router.machine.run_ms(200)
     router.plant.slip_motor("x", 1234)
     router.machine.run_ms(200)
-    assert router.off() == [0, 0, 0] and not router.noted(errors.ALARM_STEPS_MISSING)
+    assert router.off() == [0, 0, 0] and not router.noted(ALARM_STEPS_MISSING)
 
 
 def test_counts_are_shown_and_zeroed():

@@ -6,9 +6,9 @@ import re
 import pytest
 from gantry import LIMIT, WAIT, Router, board
 
-from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.options.gantry.errors import ALARM_GANTRY, SQUARED
 from passo.steps.wiring import word_pins
 
 
@@ -44,7 +44,7 @@ def test_what_one_side_loses_it_catches_up_with(motor, lost):
     router.plant.stall_motor(motor, lost)
     router.go("G1X10F1000")
     assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0] and not router.plant.errors
-    assert router.noted(errors.SQUARED) == [f"{motor} +{lost}"], "which side, and how far"
+    assert router.noted(SQUARED) == [f"{motor} +{lost}"], "which side, and how far"
     assert router.controller.position()[0] == 12 * 320 and router.controller.state == "idle"
 
 
@@ -89,13 +89,13 @@ def test_a_lag_beyond_the_limit_is_an_alarm_with_both_counts(motor, feed):
     router.plant.stall_motor(motor, 10_000)
     said = router.go(f"G1X30F{feed}")
     if feed < 1000:
-        assert said.count("ALARM:31") == 1 or router.noted(errors.SQUARED)
+        assert said.count("ALARM:31") == 1 or router.noted(SQUARED)
     x, x2, lag = map(int, re.search(r"ALARM:31\r\n\[MSG:Gantry: x (\d+) x2 (\d+) counts lag ([-+]\d+) steps\]", said).groups())
     encoders = router.plant.encoders
     assert (x, x2) == (encoders["x"].count, encoders["x2"].count) and lag == (x2 - x) // 5
     a_check = 3 * feed * 320 // 60_000 + 2
     assert router.most <= LIMIT + a_check, (router.most, a_check)
-    assert router.controller.machine.alarm == errors.ALARM_GANTRY
+    assert router.controller.machine.alarm == ALARM_GANTRY
 
 
 @pytest.mark.parametrize("motor, counts", [("x2", 5), ("x2", -10), ("x", 15), ("x", -5)])

@@ -12,6 +12,7 @@ from host_tools import boards
 from host_tools.sim.inverter import SimInverter
 from host_tools.sim.machine import VirtualMachine
 from passo import errors
+from passo.options.inverter.errors import ALARM_INVERTER_FAULT, ALARM_INVERTER_GARBLED, ALARM_INVERTER_LATE, ALARM_INVERTER_REFUSED, ALARM_INVERTER_SILENT
 
 pytestmark = pytest.mark.quick
 
@@ -223,7 +224,7 @@ def test_silence(make):
     cut(spindle)
     begun = spindle.machine.now_ms()
     spindle.inverter.silent = True
-    spindle.failed(errors.ALARM_INVERTER_SILENT, begun)
+    spindle.failed(ALARM_INVERTER_SILENT, begun)
     assert spindle.inverter.way == 3, "it hears nothing: the tool's pin has to cut its enable"
     spindle.inverter.silent = False
     spindle.run(1100)
@@ -237,7 +238,7 @@ def test_wrong_crc(make):
     cut(spindle)
     begun = spindle.machine.now_ms()
     spindle.inverter.spoil = 100
-    spindle.failed(errors.ALARM_INVERTER_GARBLED, begun)
+    spindle.failed(ALARM_INVERTER_GARBLED, begun)
 
 
 @pytest.mark.parametrize("make", MAKES)
@@ -249,7 +250,7 @@ def test_replies_that_are_always_late(make, reply_ms):
     cut(spindle)
     begun = spindle.machine.now_ms()
     spindle.inverter.reply_ms = reply_ms
-    spindle.failed(errors.ALARM_INVERTER_LATE, begun, FAIL_MS + 131)
+    spindle.failed(ALARM_INVERTER_LATE, begun, FAIL_MS + 131)
 
 
 @pytest.mark.parametrize("make", MAKES)
@@ -269,7 +270,7 @@ def test_two_late_replies_are_forgiven_whatever_they_say(make):
     if inverter.make["fault"]:
         inverter.fault = 7
         spindle.machine.run_until(lambda: spindle.state.alarm, 400)
-        assert spindle.state.alarm == errors.ALARM_INVERTER_FAULT
+        assert spindle.state.alarm == ALARM_INVERTER_FAULT
 
 
 @pytest.mark.parametrize("make", MAKES)
@@ -291,7 +292,7 @@ def test_one_reply_in_five_is_lost_or_late(make):
         alarms.append(spindle.state.alarm)
         spindle.machine.send(b"\x18")
         spindle.run(2500)
-    assert set(alarms) <= {0, errors.ALARM_INVERTER_LATE, errors.ALARM_INVERTER_SILENT}, alarms
+    assert set(alarms) <= {0, ALARM_INVERTER_LATE, ALARM_INVERTER_SILENT}, alarms
 
 
 def test_cut_replies():
@@ -300,7 +301,7 @@ def test_cut_replies():
     cut(spindle)
     begun = spindle.machine.now_ms()
     spindle.inverter.cut = 100
-    spindle.failed(errors.ALARM_INVERTER_GARBLED, begun)
+    spindle.failed(ALARM_INVERTER_GARBLED, begun)
 
 
 @pytest.mark.parametrize("make", MAKES)
@@ -320,7 +321,7 @@ def test_a_fault(make):
     cut(spindle)
     begun = spindle.machine.now_ms()
     spindle.inverter.fault = 7
-    spindle.failed(errors.ALARM_INVERTER_FAULT, begun)
+    spindle.failed(ALARM_INVERTER_FAULT, begun)
     assert any(entry[2] == "inverter: fault 7" for entry in spindle.state.log.entries)
 
 
@@ -342,7 +343,7 @@ def test_an_exception():
     spindle.inverter.exception = 2
     spindle.machine.run_until(lambda: spindle.state.alarm, 200)
     spindle.inverter.exception = None
-    spindle.failed(errors.ALARM_INVERTER_REFUSED, begun)
+    spindle.failed(ALARM_INVERTER_REFUSED, begun)
 
 
 def test_a_busy_device_is_asked_again():
@@ -371,7 +372,7 @@ def test_silence_from_the_start():
     spindle.run(5000)
     assert not spindle.state.alarm
     spindle.machine.send(b"M3 S12000\n")
-    spindle.failed(errors.ALARM_INVERTER_SILENT, spindle.machine.now_ms(), FAIL_MS + 100)
+    spindle.failed(ALARM_INVERTER_SILENT, spindle.machine.now_ms(), FAIL_MS + 100)
     spindle.inverter.silent = False
     spindle.run(1200)
     spindle.machine.send(b"$X\n")

@@ -7,6 +7,7 @@ import test_drivers
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.options.drivers.errors import ALARM_DRIVER_DIFFERS, ALARM_DRIVER_FAULT, ALARM_DRIVER_POWER, ALARM_DRIVER_SILENT
 from passo.options.spi_drivers import config as tmc_spi
 
 from host_tools import boards
@@ -101,13 +102,13 @@ def test_all_drivers_are_set_up_before_anything_moves(way, chip):
 
 @pytest.mark.parametrize("way", ["a CS each", "a chain"])
 @pytest.mark.parametrize("fault, alarm, said", [
-    (lambda drivers: setattr(drivers["z"], "dead", True), errors.ALARM_DRIVER_SILENT, "no answer"),
-    (lambda drivers: drivers["x"].registers.update({0x04: 0x11000000}), errors.ALARM_DRIVER_DIFFERS, "driver of x: version 11"),
-    (lambda drivers: drivers["y"].registers.update({0x04: 0x30000000}), errors.ALARM_DRIVER_DIFFERS, "driver of y: SD_MODE is low"),
-    (lambda drivers: setattr(drivers["y"], "frozen", (0x6C,)), errors.ALARM_DRIVER_DIFFERS, "driver of y: register 6c is 10410150"),
-    (lambda drivers: setattr(drivers, "flips", 100_000), errors.ALARM_DRIVER_SILENT, "driver of x: no answer"),
-    (lambda drivers: [drivers.chains.pop(cs) for cs in list(drivers.chains)], errors.ALARM_DRIVER_SILENT, "no answer"),
-    (lambda drivers: [chain.pop() for chain in drivers.chains.values()], errors.ALARM_DRIVER_SILENT, "driver of x: no answer"),
+    (lambda drivers: setattr(drivers["z"], "dead", True), ALARM_DRIVER_SILENT, "no answer"),
+    (lambda drivers: drivers["x"].registers.update({0x04: 0x11000000}), ALARM_DRIVER_DIFFERS, "driver of x: version 11"),
+    (lambda drivers: drivers["y"].registers.update({0x04: 0x30000000}), ALARM_DRIVER_DIFFERS, "driver of y: SD_MODE is low"),
+    (lambda drivers: setattr(drivers["y"], "frozen", (0x6C,)), ALARM_DRIVER_DIFFERS, "driver of y: register 6c is 10410150"),
+    (lambda drivers: setattr(drivers, "flips", 100_000), ALARM_DRIVER_SILENT, "driver of x: no answer"),
+    (lambda drivers: [drivers.chains.pop(cs) for cs in list(drivers.chains)], ALARM_DRIVER_SILENT, "no answer"),
+    (lambda drivers: [chain.pop() for chain in drivers.chains.values()], ALARM_DRIVER_SILENT, "driver of x: no answer"),
 ])  # fmt: skip
 def test_a_fault_at_the_start_is_an_alarm_that_names_the_axis(way, fault, alarm, said):
     """Of a chain with one too few, the first of the list. Nothing moves, also if somebody unlocks."""
@@ -129,8 +130,8 @@ def test_of_a_chain_the_dead_driver_is_named(axis, moving, chip):
         for name in "xyz":
             router.drivers[name].registers[0x6F] &= 0x7FFFFFFF  # no standstill
         router.drivers[axis].dead = True
-        router.machine.run_until(lambda: router.alarm == errors.ALARM_DRIVER_SILENT, 2000)
-    assert router.alarm == errors.ALARM_DRIVER_SILENT and f"driver of {axis}: no answer" in router.log()[-1], router.log()
+        router.machine.run_until(lambda: router.alarm == ALARM_DRIVER_SILENT, 2000)
+    assert router.alarm == ALARM_DRIVER_SILENT and f"driver of {axis}: no answer" in router.log()[-1], router.log()
 
 
 @pytest.mark.parametrize("level", [0, 1])
@@ -140,7 +141,7 @@ def test_a_wire_that_is_off_is_no_answer(level):
     router.ask("$X")
     router.drivers.exchange = lambda cs, data: bytearray(bytes((255 * level,)) * len(data))
     router.machine.run_ms(300)
-    assert router.alarm == errors.ALARM_DRIVER_SILENT and "driver of" in router.log()[-1]
+    assert router.alarm == ALARM_DRIVER_SILENT and "driver of" in router.log()[-1]
 
 
 def test_two_wrong_bits_are_asked_for_again():
@@ -150,11 +151,11 @@ def test_two_wrong_bits_are_asked_for_again():
 
 @pytest.mark.parametrize("chip", ["tmc5160", "tmc2130"])
 @pytest.mark.parametrize("fault, alarm, said", [
-    (lambda driver: setattr(driver, "dead", True), errors.ALARM_DRIVER_SILENT, "driver of y: no answer"),
-    (SpiDriver.power_cycle, errors.ALARM_DRIVER_POWER, "driver of y: reset"),
-    (lambda driver: driver.registers.update({0x01: 4}), errors.ALARM_DRIVER_POWER, "driver of y: undervoltage"),
-    (lambda driver: driver.registers.update({0x6F: 0x86000000}), errors.ALARM_DRIVER_FAULT, "driver of y: overheated"),
-    (lambda driver: driver.registers.update({0x6F: 0x88000000}), errors.ALARM_DRIVER_FAULT, "driver of y: short"),
+    (lambda driver: setattr(driver, "dead", True), ALARM_DRIVER_SILENT, "driver of y: no answer"),
+    (SpiDriver.power_cycle, ALARM_DRIVER_POWER, "driver of y: reset"),
+    (lambda driver: driver.registers.update({0x01: 4}), ALARM_DRIVER_POWER, "driver of y: undervoltage"),
+    (lambda driver: driver.registers.update({0x6F: 0x86000000}), ALARM_DRIVER_FAULT, "driver of y: overheated"),
+    (lambda driver: driver.registers.update({0x6F: 0x88000000}), ALARM_DRIVER_FAULT, "driver of y: short"),
 ])  # fmt: skip
 def test_a_fault_while_it_moves_stops_the_machine_and_takes_the_current_off(chip, fault, alarm, said):
     router = Router(chip=chip)

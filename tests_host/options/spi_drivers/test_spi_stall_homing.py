@@ -9,9 +9,9 @@ import random
 import pytest
 import test_stall_homing
 from asked import Asked
-from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.options.drivers.errors import ALARM_DRIVER_DIFFERS, ALARM_DRIVER_POWER, ALARM_DRIVER_SILENT
 from test_stall_homing import FULL, tried
 
 from host_tools import boards
@@ -220,7 +220,7 @@ def test_a_silent_driver_is_an_alarm_before_anything_moves(chip):
     machine.machine.drivers["y"].dead = True
     before = list(machine.plant.position)
     assert "ALARM" in machine.ask("$HX") and machine.plant.position == before
-    assert machine.machine.app.controller.machine.alarm == errors.ALARM_DRIVER_SILENT
+    assert machine.machine.app.controller.machine.alarm == ALARM_DRIVER_SILENT
 
 
 def test_a_wrong_cs_is_an_alarm_before_anything_moves():
@@ -230,7 +230,7 @@ def test_a_wrong_cs_is_an_alarm_before_anything_moves():
     chains[21], chains[22] = chains[21] + chains[22], []
     before = list(machine.plant.position)
     assert "ALARM" in machine.ask("$H") and machine.plant.position == before
-    assert machine.machine.app.controller.machine.alarm in (errors.ALARM_DRIVER_SILENT, errors.ALARM_DRIVER_DIFFERS)
+    assert machine.machine.app.controller.machine.alarm in (ALARM_DRIVER_SILENT, ALARM_DRIVER_DIFFERS)
 
 
 @pytest.mark.parametrize("chip", WAYS)
@@ -246,7 +246,7 @@ def test_power_that_fails_at_any_moment_of_homing_is_an_alarm(chip):
         machine.machine.drivers["x"].power_cycle()
         machine.machine.run_ms(250)
         record = machine.machine.app.controller.machine
-        assert record.alarm in (errors.ALARM_DRIVER_POWER, errors.ALARM_DRIVER_DIFFERS), (delay_ms, record.alarm)
+        assert record.alarm in (ALARM_DRIVER_POWER, ALARM_DRIVER_DIFFERS), (delay_ms, record.alarm)
         assert not record.homed and not machine.plant.enabled, delay_ms
 
 
@@ -258,7 +258,7 @@ def test_power_that_fails_as_homing_ends_is_not_overlooked(chip):
     machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 300_000)
     machine.machine.drivers["y"].registers[0x01] |= 4
     machine.machine.run_ms(400)
-    assert machine.machine.app.controller.machine.alarm == errors.ALARM_DRIVER_POWER
+    assert machine.machine.app.controller.machine.alarm == ALARM_DRIVER_POWER
 
 
 @pytest.mark.parametrize("change, words", [

@@ -14,10 +14,10 @@ shows too, are only told: `Dr:x-hot,y-open` in a report. From a fault to its ala
 
 from micropython import const
 
-from passo import errors
 from passo.commands import STATUS_WORDS
 from passo.control.feature import Feature
 from passo.options.drivers import config as chip
+from passo.options.drivers.errors import ALARM_DRIVER_DIFFERS, ALARM_DRIVER_FAULT, ALARM_DRIVER_POWER, ALARM_DRIVER_SILENT
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _WORD = ("drives", "Dr")  # warnings by axis, in reports
@@ -116,7 +116,7 @@ class Motors(Feature):
             self._register = -1
             self._tries += 1
             if self._tries == ASKS:
-                self._raise_alarm(errors.ALARM_DRIVER_SILENT, "no answer")
+                self._raise_alarm(ALARM_DRIVER_SILENT, "no answer")
             elif self._set < len(self._motors) and self._stage == 2:
                 self._stage = 1  # they may have been taken: count anew
 
@@ -131,11 +131,11 @@ class Motors(Feature):
         rows = self._registers[self._number]
         stage = self._stage
         if stage == 0 and found >> 24 != chip.VERSION:
-            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
+            self._raise_alarm(ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
         elif stage == 2 and (found - self._count) & 255 != len(rows):
-            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "%d of %d registers taken" % ((found - self._count) & 255, len(rows)))
+            self._raise_alarm(ALARM_DRIVER_DIFFERS, "%d of %d registers taken" % ((found - self._count) & 255, len(rows)))
         elif stage > 2 and found != rows[stage - 5][1]:
-            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (rows[stage - 5][0], found, rows[stage - 5][1]))
+            self._raise_alarm(ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (rows[stage - 5][0], found, rows[stage - 5][1]))
         else:
             self._count = found
             self._stage = stage + 1
@@ -147,14 +147,14 @@ class Motors(Feature):
     def _check_power(self, state):
         """Return 1 if GSTAT says that the power has not failed. Else raise the alarm, and return 0."""
         if state & (chip.RESET | chip.UNDERVOLTAGE):
-            self._raise_alarm(errors.ALARM_DRIVER_POWER, "reset" if state & chip.RESET else "undervoltage")
+            self._raise_alarm(ALARM_DRIVER_POWER, "reset" if state & chip.RESET else "undervoltage")
             return 0
         return 1
 
     def _judge_status(self, found, now_ms):
         """Raise an alarm if DRV_STATUS says short or overheated; show hot and open coils in reports; go on to the next driver."""
         if found & (chip.OVERHEATED | chip.SHORTED):
-            self._raise_alarm(errors.ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
+            self._raise_alarm(ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
             return
         told = "-hot" if found & chip.WARNED else ""
         if found & chip.OPEN:

@@ -17,9 +17,11 @@ count toward limit_steps, for an encoder that loses counts looks the same, and t
 from micropython import const
 
 from passo import commands, errors
+from passo.config import setting_numbers as table
 from passo.control.feature import Feature
 from passo.control.motors import RELEASED
-from passo.config import setting_numbers as table
+from passo.options.encoders.commands import ZERO_COUNTS
+from passo.options.encoders.errors import ALARM_STEPS_MISSING, COUNTS_LOST, NOTICE_STEPS_MISSING, POSITION_VERIFIED, STEPS_MADE_UP
 from passo.records import COUNT_MASK
 
 _TRIES = const(3)
@@ -28,6 +30,7 @@ _TRIES = const(3)
 class EncoderWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
+        errors.ALARMS[ALARM_STEPS_MISSING] = errors.KEEPS_CURRENT
         self._encoders = machine.port.encoders
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
@@ -48,7 +51,7 @@ class EncoderWatch(Feature):
         self._tries = 0
 
     def handlers(self):
-        return {commands.ZERO_COUNTS: self._zero_counts}
+        return {ZERO_COUNTS: self._zero_counts}
 
     def _zero_counts(self, command):
         """Do ZERO_COUNTS: the counts shown begin at 0."""
@@ -85,8 +88,8 @@ class EncoderWatch(Feature):
             said.append("%s %+d" % (encoders.names[number], encoders.steps_beyond(number)) + (", %+d made up since homing" % made if made else ""))
         positions = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
         who = "%s at %s" % (" ".join(said), " ".join(positions))
-        self._machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
-        self._machine.notice(errors.NOTICE_STEPS_MISSING, who)
+        self._machine.raise_alarm(ALARM_STEPS_MISSING, who)
+        self._machine.notice(NOTICE_STEPS_MISSING, who)
         self._known = 0
 
     def _note_move(self):
@@ -99,7 +102,7 @@ class EncoderWatch(Feature):
         for index in self._encoders.indexes:
             off = index.counts_off()
             if abs(off) > index.turn // 32:
-                self._machine.note(errors.COUNTS_LOST, "%s %+d counts" % (self._encoders.names[index.number], off))
+                self._machine.note(COUNTS_LOST, "%s %+d counts" % (self._encoders.names[index.number], off))
                 index.accept_last()
 
     def look(self, now_ms):
@@ -148,11 +151,11 @@ class EncoderWatch(Feature):
         machine = self._machine
         self._halted = False
         if any(off):
-            self._note_steps(errors.POSITION_VERIFIED, off)
+            self._note_steps(POSITION_VERIFIED, off)
         self._follow_encoders(off)
         if self._known and self._all:
             if not machine.homed and not any(off):
-                machine.note(errors.POSITION_VERIFIED, "")
+                machine.note(POSITION_VERIFIED, "")
             machine.known = self._known
             machine.homed = self._homed
 
@@ -190,7 +193,7 @@ class EncoderWatch(Feature):
             return True
         for number in missing:
             self._made_up[number] += off[number]
-        self._note_steps(errors.STEPS_MADE_UP, off)
+        self._note_steps(STEPS_MADE_UP, off)
         ways = []
         for number in missing:
             if number != self._second:

@@ -1,7 +1,8 @@
 """`$ENC`: the encoders' counts, and `$ENC=0`, which counts from here on."""
 
 from passo import errors
-from passo.commands import HELLO, ZERO_COUNTS, Command
+from passo.commands import HELLO, Command
+from passo.options.encoders.commands import ZERO_COUNTS
 
 
 def extend(protocol, board):

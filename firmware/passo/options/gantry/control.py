@@ -17,10 +17,12 @@ These single steps are no words: the position does not change by them. Without e
 
 from micropython import const
 
-from passo import commands, errors
+from passo import commands
 from passo.control.feature import WORK_GONE, Feature
 from passo.control.motors import RELEASED
+from passo.errors import ALARMS, KEEPS_CURRENT
 from passo.options.gantry.control_squaring import Squaring
+from passo.options.gantry.errors import ALARM_GANTRY, NOTICE_GANTRY, SQUARED
 from passo.records import COUNT_MASK
 
 _SQUARINGS = const(4)  # at one stand
@@ -35,6 +37,7 @@ class GantryWatch(Feature):
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
+        ALARMS[ALARM_GANTRY] = KEEPS_CURRENT
         self._feeder, self._player = queue.lend()
         self._encoders = getattr(machine.port, "encoders", None)  # of the port, if the board file has any
         section = board["gantry"]
@@ -86,8 +89,8 @@ class GantryWatch(Feature):
         who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag_steps())
         if self._taken:
             who += ", %+d taken away since homing" % self._taken
-        self._machine.raise_alarm(errors.ALARM_GANTRY, who)
-        self._machine.notice(errors.NOTICE_GANTRY, who)
+        self._machine.raise_alarm(ALARM_GANTRY, who)
+        self._machine.notice(NOTICE_GANTRY, who)
 
     def look(self, now_ms):
         """Hold a move whose lag has reached wait_steps; at a stand take the lag away, step by step. See above."""
@@ -143,7 +146,7 @@ class GantryWatch(Feature):
         if self._machine.interlock_error(steps):
             self._raise_alarm()
             return
-        self._machine.note(errors.SQUARED, "%s %+d" % (self._motors[self._motor], self._left if self._forward else -self._left))
+        self._machine.note(SQUARED, "%s %+d" % (self._motors[self._motor], self._left if self._forward else -self._left))
         self._taken += lag
         self._phase = _TURN
 

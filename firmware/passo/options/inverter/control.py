@@ -25,6 +25,7 @@ from passo.commands import SPINDLE_OFF
 from passo.control.spindle_speed import PERIOD_MS, SpindleSpeed
 from passo.options.inverter import control_modbus as modbus
 from passo.options.inverter.config import MAKES
+from passo.options.inverter.errors import ALARM_INVERTER_FAULT, ALARM_INVERTER_GARBLED, ALARM_INVERTER_LATE, ALARM_INVERTER_REFUSED, ALARM_INVERTER_SILENT
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _UNKNOWN = const(-1)
@@ -46,6 +47,8 @@ class Inverter(SpindleSpeed):
     def __init__(self, board, machine, queue):
         config = board["inverter"]
         SpindleSpeed.__init__(self, board, machine, queue, config)
+        for alarm in (ALARM_INVERTER_SILENT, ALARM_INVERTER_GARBLED, ALARM_INVERTER_FAULT, ALARM_INVERTER_REFUSED, ALARM_INVERTER_LATE):
+            errors.ALARMS[alarm] = errors.AT_STAND | errors.OUTPUTS_OFF
         self._make = MAKES[config["make"]]
         self._address = config["address"]
         self._poles = config["poles"]
@@ -148,11 +151,11 @@ class Inverter(SpindleSpeed):
                 self._take_reply(now_ms)
             elif wrong == modbus.REFUSED:
                 self._tries = _ATTEMPTS
-                self._count_failure(now_ms, errors.ALARM_INVERTER_REFUSED, "inverter: exception %d" % reply[2])
+                self._count_failure(now_ms, ALARM_INVERTER_REFUSED, "inverter: exception %d" % reply[2])
             else:
-                self._count_failure(now_ms, errors.ALARM_INVERTER_GARBLED, "inverter")
+                self._count_failure(now_ms, ALARM_INVERTER_GARBLED, "inverter")
         elif (now_ms - self._sent_ms) & COUNT_MASK > self._timeout_ms:
-            number = errors.ALARM_INVERTER_GARBLED if reply else errors.ALARM_INVERTER_SILENT
+            number = ALARM_INVERTER_GARBLED if reply else ALARM_INVERTER_SILENT
             self._owed = self._owed[1 - _ATTEMPTS :] + [self._request]
             if self._about >= _OUTPUT:
                 self._unread = True
@@ -199,7 +202,7 @@ class Inverter(SpindleSpeed):
                     self._turned = 0
                 self._judge_speed()
             elif value & self._make["fault"][3] and self._way:
-                self._raise_alarm(errors.ALARM_INVERTER_FAULT, "inverter: fault %d" % (value & self._make["fault"][3]))
+                self._raise_alarm(ALARM_INVERTER_FAULT, "inverter: fault %d" % (value & self._make["fault"][3]))
 
     def _judge_speed(self):
         """Raise an alarm if the speed just read falls behind."""
@@ -218,7 +221,7 @@ class Inverter(SpindleSpeed):
         self._tries = 0
         self._unread = False
         if self._late:
-            number = errors.ALARM_INVERTER_LATE
+            number = ALARM_INVERTER_LATE
         turns = self._way or self._told_way > 0
         self._told_way = self._told_hz = _UNKNOWN
         self._due_ms = (now_ms + _AGAIN_MS) & COUNT_MASK

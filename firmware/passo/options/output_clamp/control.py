@@ -3,9 +3,9 @@
 Only M11 (M65 P1 of p1_clamp) lets go, at a stand, and never while the spindle turns or is to turn again: first M5.
 """
 
-from passo import errors
 from passo.commands import SPINDLE_OFF, STATUS_WORDS
 from passo.control.switched_output import SwitchedOutput
+from passo.options.output_clamp.errors import SPINDLE_TURNS
 
 WORD = ("clamp", "Clamp")
 
@@ -22,4 +22,4 @@ class Clamp(SwitchedOutput):
     def unfit_to_end(self):
         """Return SPINDLE_TURNS if the clamp may not let go now, else 0."""
         turns = self._machine.spindle != SPINDLE_OFF or self._queue.lit()
-        return errors.SPINDLE_TURNS if turns else 0
+        return SPINDLE_TURNS if turns else 0

@@ -8,9 +8,9 @@ was. Alarms are those of drivers/control.py. A cycle of the main loop asks one d
 
 from micropython import const
 
-from passo import errors
 from passo.options.drivers import control as drives
 from passo.options.drivers.control import ASKS
+from passo.options.drivers.errors import ALARM_DRIVER_DIFFERS, ALARM_DRIVER_SILENT
 from passo.options.spi_drivers import config as chip
 from passo.records import COUNT_HALF, COUNT_MASK
 
@@ -39,7 +39,7 @@ class Motors(drives.Motors):
             self._due_ms = now_ms + _AGAIN_MS
             if self._tries == ASKS:
                 self._number = self._silent_driver()
-                self._raise_alarm(errors.ALARM_DRIVER_SILENT, "no answer")
+                self._raise_alarm(ALARM_DRIVER_SILENT, "no answer")
         else:
             self._tries = 0
 
@@ -78,10 +78,10 @@ class Motors(drives.Motors):
         name = self._config["chip"]
         rows = self._registers[self._number]
         if found >> 24 != chip.VERSIONS[name]:
-            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
+            self._raise_alarm(ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
             return True
         if name == "tmc5160" and not found & chip.STEPS:
-            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "SD_MODE is low")
+            self._raise_alarm(ALARM_DRIVER_DIFFERS, "SD_MODE is low")
             return True
         state = self._read_register(chip.GSTAT)  # a TMC2130 forgets that it was reset
         if state is None:
@@ -97,7 +97,7 @@ class Motors(drives.Motors):
             if found is None:
                 return False
             if found != number:
-                self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (register, found, number))
+                self._raise_alarm(ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (register, found, number))
                 return True
         self._set += 1
         self._number = self._set % len(self._motors)

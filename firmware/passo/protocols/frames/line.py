@@ -14,9 +14,9 @@ from passo.protocols.frames.codec import (
     ACK, AGAIN, CHECK, CLOSED, CREDIT_BYTES, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, LONGEST, MOST, MOST_CREDIT, NEW, NUMBERS,
     REPORT, TAKEN, URGENT, VERSION, WELCOME, delimit_frames, frame, parse_header, is_sound,
 )  # fmt: skip
-from passo.errors import FRAME_LATE
-from passo.protocols.frames.strays import Strays
+from passo.protocols.frames.errors import FRAME_LATE
 from passo.protocols.frames.sender import Sender
+from passo.protocols.frames.strays import Strays
 from passo.records import COUNT_MASK
 
 _PLAIN = const(0)

@@ -17,7 +17,8 @@ A speed whose second byte does not come within 2 s is dropped, so that no later 
 from micropython import const
 
 from passo import errors
-from passo.commands import BAD, FOREVER, KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS, LIVE, REST, STATUS, Command, Run
+from passo.commands import BAD, FOREVER, LIVE, REST, STATUS, Command, Run
+from passo.protocols.keys.kit import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
 from passo.protocols.setting_lines import teach_lines
 from passo.protocols.typed_words import TypedWords
 from passo.records import COUNT_MASK

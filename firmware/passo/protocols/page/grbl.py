@@ -8,8 +8,8 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import NOTICE, RESTARTED, Command
-from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.jog import Limits
+from passo.protocols.page.page_machine import PageMachine
 from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM, SETTING_MAX_RPM
 
 AXES = "xyza"

@@ -8,9 +8,9 @@ language has it.
 """
 
 from passo import errors
-from passo.commands import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
-from passo.protocols.page.page_machine import PageMachine
+from passo.protocols.keys.kit import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
 from passo.protocols.page.orders import Wrong, number_field, text_field
+from passo.protocols.page.page_machine import PageMachine
 
 # The byte of each task, by motor; 0: both.
 _ON = (b"I", b"C", b"D")

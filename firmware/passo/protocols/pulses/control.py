@@ -8,6 +8,7 @@ from passo.commands import (
     BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, STEP_PROGRAM, STEPS_CONTINUE, STEPS_GO, STEPS_HAND_DRIVES, STEPS_HAND_TOOL,
     STEPS_JOG, STEPS_PACE, STEPS_PASSES, STEPS_RETURN, STEPS_STEP, UNLOCK, Command,
 )  # fmt: skip
+from passo.protocols.pulses.errors import NO_CONTROL
 
 _PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK, "log": STATUS}
 _VERBS = {"run": STEPS_GO, "step": STEPS_STEP, "return": STEPS_RETURN, "continue": STEPS_CONTINUE, "repeat": STEPS_PASSES}
@@ -41,7 +42,7 @@ def parse_control(words, axes):
         command = Command(HAND_OVER, None, max(value, 0))
     elif verb == "jog":
         command = _jog_command(words, axes)
-    return command or Command(BAD, error=errors.NO_CONTROL)
+    return command or Command(BAD, error=NO_CONTROL)
 
 
 def _verb_command(verb, said, value, alone):

@@ -43,6 +43,7 @@ from passo.commands import (
 )  # fmt: skip
 from passo.protocols.pulses.codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
 from passo.protocols.pulses.control import whole_number, parse_control
+from passo.protocols.pulses.errors import CUT_OFF, NO_CODE, NO_CONTROL, NUMBER_MISSING
 from passo.protocols.pulses.report import log_lines, status
 from passo.records import COUNT_MASK
 
@@ -127,14 +128,14 @@ class Pulses:
         """End what was typed, or a file that has been cut off, after a silence."""
         if self._frame is not None:
             self._frame = None
-            found.append(Command(BAD, error=errors.NO_CONTROL))
+            found.append(Command(BAD, error=NO_CONTROL))
         elif self._mode == _DROP:
             self._mode = _TYPED
         elif self._mode == _TYPED:
             if self._open:
                 self._close_file(found)
         elif (self._mode == _LOAD or self._size) and silent_ms >= CUT_MS and not self._under_way:
-            self._fail_file(errors.CUT_OFF, found)  # the host may send, and does not
+            self._fail_file(CUT_OFF, found)  # the host may send, and does not
 
     def _read_codes(self, data, at, found):
         """Read bytes of a file, up to the next control command. Returns where it stopped."""
@@ -224,7 +225,7 @@ class Pulses:
             if not self._open and not self._items:
                 self._begin_file(0)
         elif byte not in _BLANKS:
-            self._fail_file(errors.NO_CODE, found)
+            self._fail_file(NO_CODE, found)
             return
         self._column += 1
 
@@ -234,7 +235,7 @@ class Pulses:
             return True
         if self._number < 0:
             self._line, self._column = self._sign_at
-            self._fail_file(errors.NUMBER_MISSING, found)
+            self._fail_file(NUMBER_MISSING, found)
             return False
         kind = STEPS_WAIT if self._sign == 0x2A else STEPS_SPEED if self._number else STEPS_ASK
         self._items.append(self._number << 8 | kind << 4)
@@ -278,7 +279,7 @@ class Pulses:
         if not self._end_number(found):
             return
         if self._size and self._count != self._size:
-            self._fail_file(errors.CUT_OFF, found)
+            self._fail_file(CUT_OFF, found)
             return
         self._hand_on(found)
         self._open = False
@@ -331,7 +332,7 @@ class Pulses:
     def _open_file(self, stream, size, found):
         """Return the command of {load} or {stream}; a file under way is cut off."""
         if self._open:
-            self._fail_file(errors.CUT_OFF, found)
+            self._fail_file(CUT_OFF, found)
         self._begin_file(size, True)
         self._mode = _STREAM if stream else _LOAD
         self._open = True
