@@ -12,10 +12,11 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, ALARM, DROPPED, HARMLESS, JOG, NEVER_WAITS, RESTARTED, RIGHTS, STATUS, Event
+from passo.commands import ACCEPTED, ALARM, DROPPED, JOG, RESTARTED, STATUS, Event
 from passo.config.journal import Journal, MemorySlots
 from passo.config.setting_numbers import ENABLE_INVERT
 from passo.config.settings import Settings
+from passo.control.links import HARMLESS, NEVER_WAITS, RIGHTS
 from passo.control.motors import Motors
 from passo.errors import LATER
 from passo.memory import forget, keep

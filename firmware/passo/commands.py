@@ -66,20 +66,6 @@ JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of th
 # Lines of G-code that features bring.
 CODE = const(1000)  # + 62: M62, as the line of G-code says it: `value` is its number, see protocols/gcode/codes.py; M66: `power` is L, `feed` Q in ms
 
-NEVER_WAITS = const(1)  # for others of its link
-HARMLESS = const(2)  # it asks, or makes the machine safe: of any link
-ANY_LINK = const(4)  # also of a link that does not command
-ASKS = const(8)  # the same, if it has no `value` and no `tool`
-OF_LENDER = const(16)  # also of the link that has started a stored job, while it runs
-STARTS = const(32)  # with a `value` of 0 it starts tool or program: somebody has to be at the machine if the board file says so
-# Which of these each kind is. Options add their own kinds.
-RIGHTS = {
-    BAD: NEVER_WAITS | HARMLESS, HELLO: NEVER_WAITS | HARMLESS, STATUS: NEVER_WAITS | HARMLESS, STOP: NEVER_WAITS | HARMLESS,
-    HOLD: NEVER_WAITS | HARMLESS, DOOR: NEVER_WAITS | HARMLESS, JOG_CANCEL: NEVER_WAITS | HARMLESS, RESET: NEVER_WAITS | HARMLESS,
-    SYNC: HARMLESS, REST: HARMLESS, RESUME: NEVER_WAITS | OF_LENDER | STARTS, OVERRIDE: NEVER_WAITS | OF_LENDER,
-    TOGGLE: NEVER_WAITS | OF_LENDER, HAND_OVER: NEVER_WAITS | ANY_LINK, SETTING: ASKS,
-}  # fmt: skip
-
 # Inputs of the board file whose name means something: its letter in a status report, the command that it sends as it becomes active
 # (BAD: none), and the feature that this wants.
 INPUTS = (

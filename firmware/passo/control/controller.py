@@ -13,6 +13,7 @@ from passo import commands, errors
 from passo.commands import DROPPED, REFUSED, Event
 from passo.config.setting_numbers import SOFT_LIMITS
 from passo.control.feature import REFUSAL, WORK_GONE, overriding
+from passo.control.links import ANY_LINK, ASKS, HARMLESS, OF_LENDER, RIGHTS
 from passo.records import COUNT_MASK, REST_MS
 
 
@@ -106,10 +107,10 @@ class Controller:
 
     def _may_command(self, command):
         """Return True if a link that does not command may send this, by RIGHTS."""
-        rights = commands.RIGHTS.get(command.kind, 0)
-        if rights & commands.OF_LENDER and command.link.number == self.machine.lender:
+        rights = RIGHTS.get(command.kind, 0)
+        if rights & OF_LENDER and command.link.number == self.machine.lender:
             return True
-        return rights & (commands.HARMLESS | commands.ANY_LINK) or rights & commands.ASKS and command.value is None and not command.tool
+        return rights & (HARMLESS | ANY_LINK) or rights & ASKS and command.value is None and not command.tool
 
     # --- batches: by the same rules as commands
 

@@ -5,9 +5,26 @@ command to any link, or takes it: from every link alike, whoever has it, but onl
 to. Whatever was sent before it, on any link, is dropped. To ask, and to make the machine safe, is never refused.
 """
 
+from micropython import const
+
 from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.control.feature import Feature
+
+NEVER_WAITS = const(1)  # for others of its link
+HARMLESS = const(2)  # it asks, or makes the machine safe: of any link
+ANY_LINK = const(4)  # also of a link that does not command
+ASKS = const(8)  # the same, if it has no `value` and no `tool`
+OF_LENDER = const(16)  # also of the link that has started a stored job, while it runs
+STARTS = const(32)  # with a `value` of 0 it starts tool or program: somebody has to be at the machine if the board file says so
+# Which of these each kind is. Options add their own kinds.
+RIGHTS = {
+    commands.BAD: NEVER_WAITS | HARMLESS, commands.HELLO: NEVER_WAITS | HARMLESS, commands.STATUS: NEVER_WAITS | HARMLESS,
+    commands.STOP: NEVER_WAITS | HARMLESS, commands.HOLD: NEVER_WAITS | HARMLESS, commands.DOOR: NEVER_WAITS | HARMLESS,
+    commands.JOG_CANCEL: NEVER_WAITS | HARMLESS, commands.RESET: NEVER_WAITS | HARMLESS, commands.SYNC: HARMLESS, commands.REST: HARMLESS,
+    commands.RESUME: NEVER_WAITS | OF_LENDER | STARTS, commands.OVERRIDE: NEVER_WAITS | OF_LENDER, commands.TOGGLE: NEVER_WAITS | OF_LENDER,
+    commands.HAND_OVER: NEVER_WAITS | ANY_LINK, commands.SETTING: ASKS,
+}  # fmt: skip
 
 
 class Links(Feature):

@@ -14,8 +14,9 @@ Reading goes on in the main loop while steps are made in an interrupt: it takes 
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import DROPPED, OF_LENDER, RIGHTS, STARTS, Event
+from passo.commands import DROPPED, Event
 from passo.control.feature import OFF, WORK_GONE, Feature
+from passo.control.links import OF_LENDER, RIGHTS, STARTS
 from passo.errors import ALARMS, AT_STAND, OUTPUTS_OFF
 from passo.memory import buffer
 from passo.options.jobs.commands import JOB, JOB_CLOSE, JOB_DATA, JOB_DELETE, JOB_LIST, JOB_OPEN, JOB_RUN, JOB_STATE

@@ -29,6 +29,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.control.feature import QUEUE_GONE, Feature
+from passo.control.links import ASKS, OF_LENDER, RIGHTS
 from passo.records import COUNT_MASK, JOURNAL_BYTES, KIND_WAIT, REST_MS, ROW_KIND, ROW_TAG
 
 _WAITS = const(8)  # blocks that wait for a tool, behind a line
@@ -127,7 +128,7 @@ class JobJournal(Feature):
 
     def handlers(self):
         self._counted = self._machine.job  # of a feature that is made in any order
-        commands.RIGHTS[commands.JOURNAL] = commands.ASKS | commands.OF_LENDER
+        RIGHTS[commands.JOURNAL] = ASKS | OF_LENDER
         return {commands.JOURNAL: self._do_journal}
 
     def _do_journal(self, command):

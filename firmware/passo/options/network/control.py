@@ -11,6 +11,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.control.feature import Feature
+from passo.control.links import ANY_LINK, RIGHTS, STARTS
 from passo.records import COUNT_MASK, NETWORK_PORTS
 
 _MINUTE_MS = const(60_000)
@@ -38,14 +39,14 @@ class Admission(Feature):
         self._length_ms = 0
 
     def handlers(self):
-        commands.RIGHTS[commands.ADMIT] = commands.ANY_LINK
+        RIGHTS[commands.ADMIT] = ANY_LINK
         return {commands.ADMIT: self._do_admit}
 
     def guard(self, handlers):
         """Wrap the handlers that need somebody at the machine."""
         if self._presence:
             for kind in handlers:
-                if kind == commands.SPINDLE or commands.RIGHTS.get(kind, 0) & commands.STARTS:
+                if kind == commands.SPINDLE or RIGHTS.get(kind, 0) & STARTS:
                     handlers[kind] = self._with_presence(handlers[kind])
 
     def _with_presence(self, handler):

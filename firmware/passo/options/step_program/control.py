@@ -13,6 +13,7 @@ from passo import commands
 from passo.commands import FINISHED, Event
 from passo.control.counted_job import CountedJob
 from passo.control.feature import QUEUE_GONE, WORK_GONE
+from passo.control.links import NEVER_WAITS, OF_LENDER, RIGHTS
 from passo.options.step_program.control_orders import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, StepProgramOrders
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 
@@ -37,7 +38,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._from = 0  # the start of the walk under way
 
     def handlers(self):
-        commands.RIGHTS[commands.STEP_PROGRAM] = commands.NEVER_WAITS | commands.OF_LENDER
+        RIGHTS[commands.STEP_PROGRAM] = NEVER_WAITS | OF_LENDER
         return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
 
     def owns_axes(self):
