@@ -353,14 +353,12 @@ class App:
         if self.interrupt:
             self.port.put_off()
         answer = command.reply or Event(ACCEPTED, command)
-        answer.value = self.controller.machine.report(True)
+        answer.value = self.controller.machine.report(link)
         answer = link.protocol.reply(answer)
         if answer:
             link.serial.write(answer)
         if self.interrupt:
             self.port.catch_up()
-        for asked in self.controller.asks:
-            asked(link)
 
     @micropython.native
     def _in_batches(self, link, data):

@@ -215,14 +215,6 @@ def check_a_standing_machine_misses_nobody():
     assert not machine.controller.machine.alarm
 
 
-def check_what_needs_no_host():
-    machine = machine_with("stop")
-    machine.controller.machine.unattended = True
-    machine.put("G1X20\n")
-    run_ms(machine, 3000)
-    assert machine.world.place[0] == 3000 + 6400
-
-
 def check_noise_is_no_host():
     """On a framed link only a sound frame is a sign of life."""
     for sign, state in ((b"?~!G1X1\n\0\1\2\0", "hold"), (codec.delimit_frames(codec.frame(codec.ACK, 0, 0, 15)), "idle")):

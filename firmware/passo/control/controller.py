@@ -47,7 +47,6 @@ class Controller:
         self.readies = overriding(features, "ready") + (machine.motors.ready,)  # all have to say so before words are played
         self._busies = overriding(features, "busy")
         self._stops = overriding(features, "claim_stop")
-        self.asks = overriding(features, "on_status_request")
         self._batches = {}  # (open, accept, close) by their kind
         for feature in features:
             self._batches.update(feature.batches() or {})
@@ -90,10 +89,7 @@ class Controller:
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.kind == commands.STATUS:
-            self.machine.confirm_command(command, self.machine.report(True))
-            for asked in self.asks:
-                asked(command.link)
-            return 0
+            return self.machine.confirm_command(command, self.machine.report(command.link))
         self.machine.awake = True
         link = command.link
         if link is None or link.number == self.machine.commander or self._may_command(command):

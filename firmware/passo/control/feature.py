@@ -44,13 +44,11 @@ class Feature:
     poll_end = _do_nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays
 
     # Questions:
-    owns_axes = _do_nothing  # owns_axes(): True while the axes are this feature's alone
-    is_held = _do_nothing  # is_held(): True if it stands in the middle of its work, until somebody says what next
+    owns_axes = _do_nothing  # owns_axes(): while the axes are this feature's alone "run", or "hold" if it stands amid its work until somebody says what next
     may_change = _do_nothing  # may_change(): True while what is under way may change at any moment: few words should lie ahead
     ready = _do_nothing  # ready(): True if words may be played; only a feature that overrides it has a say
     busy = _do_nothing  # busy(): True while it is about to move, though nothing is queued
-    report = _do_nothing  # report(report): adds to a status report
-    on_status_request = _do_nothing  # on_status_request(link): `link` has asked for the status
+    report = _do_nothing  # report(report): adds to a status report; report["link"] has asked for it, None: nobody has
 
     # Events:
     claim_stop = _do_nothing  # claim_stop(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised

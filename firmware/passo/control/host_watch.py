@@ -57,7 +57,7 @@ class HostWatch(Feature):
         line = self._lines.get(number)
         worked = self._works
         state = machine.state
-        self._works = line is not None and not machine.unattended and (
+        self._works = line is not None and (
             state == "run" or state == "jog" or state == "idle" and (self._queue.lit() or machine.spindle != commands.SPINDLE_OFF)
         )
         if self._retracts:
@@ -92,8 +92,9 @@ class HostWatch(Feature):
                 self._act_on_loss(link)
             self._since_ms = now_ms
 
-    def on_status_request(self, link):
-        """Note that the host of `link` has asked for the status, in time or late."""
+    def report(self, report):
+        """Note that the host of report["link"] has asked for the status, in time or late."""
+        link = report["link"]
         if link is None or link.number != self._number or link.number not in self._lines:
             return
         now_ms = self._machine.port.link_ms()

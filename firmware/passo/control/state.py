@@ -58,7 +58,6 @@ class MachineState:
         self.fresh = False  # such motion was queued since the last cycle
         self.drawing = False  # points are taken out of the point buffer
         self.presence = ""  # the input that is active while somebody is at the machine, see admission.py
-        self.unattended = False  # the work under way needs no host
         self.retracts = False  # after an alarm Z still goes up, before the tool goes off: see host_watch.py
         self.coolant = 0  # as it should be, see COOLANT
         self.spindle = commands.SPINDLE_OFF  # as it should be, see SPINDLE
@@ -77,7 +76,7 @@ class MachineState:
         self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
         self._features = ()
-        self.actives = self._held = self._reports = self._halts = ()
+        self.actives = self._reports = self._halts = ()
         self.steps_per_m = settings.steps_per_m
         homing = board["homing"]
         self._homing_first = bool(homing and homing["required"])
@@ -87,7 +86,6 @@ class MachineState:
         """Take over `features`, all there are: their handlers and overridden methods. Called once, by the controller."""
         self._features = features
         self.actives = overriding(features, "owns_axes")
-        self._held = overriding(features, "is_held")
         self._reports = overriding(features, "report")
         self._halts = overriding(features, "halt")
         for feature in features:
@@ -114,10 +112,11 @@ class MachineState:
             return "check"
         if self.jogging:
             return "jog"
-        for held in self._held:
-            if held():
-                return "hold"
-        return "run" if command or self.drawing or self.active or self.actives and self.axes_are_owned() else "idle"
+        for active in self.actives:
+            word = active()
+            if word:
+                return word
+        return "run" if command or self.drawing or self.active else "idle"
 
     def busy_with(self, kind):
         """Return True if the long command under way is of this kind."""
@@ -175,10 +174,11 @@ class MachineState:
         self.queue.flush()
         return False
 
-    def report(self, answers=False):
+    def report(self, link=None):
         """Return the status report: one dict, which the next call fills in anew. Looks at the queue (Queue.look()) and asks every feature.
-        `answers`: it answers STATUS, so the number logged last counts as told."""
+        `link`: it has asked for the status, so the number logged last counts as told."""
         report = self._report
+        report["link"] = link
         self.queue.look()
         if not self.active:
             self.queue.seen[SEEN_LINE] = 0
@@ -190,7 +190,7 @@ class MachineState:
             add(report)
         report["alarm"] = self.alarm or None
         report["error"] = self.alarm or self.log.last
-        if answers:
+        if link:
             self.log.last = 0
         return report
 

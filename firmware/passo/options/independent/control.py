@@ -57,8 +57,8 @@ class Independent(Feature):
         }
 
     def owns_axes(self):
-        """Return True from a RUN to the stand behind it."""
-        return self._command is not None
+        """Return "run" from a RUN to the stand behind it, else ""."""
+        return "" if self._command is None else "run"
 
     def steps_made(self):
         """Return the signed steps of each axis since the last RUN that began at a stand, exact at this moment."""

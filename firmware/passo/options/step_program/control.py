@@ -42,16 +42,14 @@ class StepProgramPlayer(StepProgramOrders):
         return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
 
     def owns_axes(self):
-        """Return True while a program is under way, or is to set out."""
-        return self._mode != IDLE or self._midway or self._start_ms is not None
+        """Return "run" while a program is under way, or is to set out, "hold" at a pause amid it, else ""."""
+        if self._mode != IDLE:
+            return "run"
+        return "hold" if self._midway else "" if self._start_ms is None else "run"
 
     def may_change(self):
         """Return True during a walk."""
         return self._mode != IDLE
-
-    def is_held(self):
-        """Return True at a pause amid the program."""
-        return self._midway and self._mode == IDLE
 
     def on_events(self, what):
         """Forget all motion, or the walk that a stand has taken off the queue."""
