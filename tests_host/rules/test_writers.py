@@ -16,8 +16,8 @@ pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 WRITERS = {
     # a flag that says "poll again", which nobody but the controller takes back
     "awake": {"blackbox", "changeover", "controller", "encoders", "gantry", "host_watch", "independent", "jobs", "journal", "line_batches", "program", "step_program"},
-    # the long command: its feature begins it, and any stop of the machine ends it
-    "command": {"controller", "drawing", "homing", "jobs", "pauses", "program", "resets", "tools", "input_p"},
+    # the long command: some ends of it are no begin() or finish() of the record
+    "command": {"jobs", "program", "resets"},
     # motion of a program and jogs: each way of queueing them says so, the controller notices the stand
     "active": {"line_batches", "program"},
     "fresh": {"line_batches", "program"},

@@ -40,7 +40,6 @@ class Controller:
         machine.join(features)
         self._looks = overriding(features, "look")  # here, and not at each cycle: to fetch a method takes memory
         self._polls = overriding(features, "poll")
-        self._long = overriding(features, "poll_command")
         self._holds = overriding(features, "poll_hold")
         self._ends = overriding(features, "poll_end")
         self.lives = overriding(features, "may_change")
@@ -150,10 +149,8 @@ class Controller:
                 machine.cautious = True
         for poll in self._polls:
             poll(now_ms)
-        for poll in self._long:
-            if machine.command is None:  # also if one of them has ended it
-                break
-            poll(now_ms)
+        if machine.command is not None and machine.poll is not None:
+            machine.poll(now_ms)
         still = self.queue.still()
         if machine.hold or machine.dropping:
             for poll in self._holds:
@@ -249,5 +246,4 @@ class Controller:
         machine.tell(Event(DROPPED, None, errors.STOPPED, command))
         self.queue.lift()
         self.queue.flush()
-        machine.command = command
-        return 0
+        return machine.begin(command)

@@ -141,9 +141,8 @@ class Drawing(Feature):
             return refusal
         if machine.command is not None or machine.active or machine.jogging:
             return LATER
-        machine.command = command
         machine.drawing = True
-        return 0
+        return machine.begin(command)
 
     def _queue_jog(self, command):
         """Queue a jog: `target` holds the jogs of each axis, signed. LATER if more than jog.ahead_ms of motion is queued; JOG_TRAVEL if it

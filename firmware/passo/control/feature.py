@@ -39,7 +39,6 @@ class Feature:
     # Once a cycle of the main loop:
     look = _do_nothing  # look(now_ms): look at what comes from outside, whatever the machine does: inputs, encoders
     poll = _do_nothing  # poll(now_ms), only while the machine is awake: go on with the work; sets `machine.awake` if there will be more of it
-    poll_command = _do_nothing  # poll_command(now_ms): the same, while a long command is under way
     poll_hold = _do_nothing  # poll_hold(), behind poll(): the same, while a hold or what drops the rest is on its way or stands
     poll_end = _do_nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays
 

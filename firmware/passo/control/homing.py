@@ -107,7 +107,7 @@ class Homing(Feature):
         machine.unlock()
         machine.homed = False
         machine.known &= ~(command.value or self._all)
-        machine.command = command
+        machine.begin(command, self._go_on_homing)
         self._queue.lift()
         self._queue.flush()
         self._lifting = True
@@ -115,11 +115,8 @@ class Homing(Feature):
             self._quality.begin(command.power)
         return 0
 
-    def poll_command(self, now_ms):
-        """Carry HOME on, if it is under way: lift the tool first, then search, and end with success or the number of an error."""
-        machine = self._machine
-        if machine.command.kind != commands.HOME:
-            return
+    def _go_on_homing(self, now_ms):
+        """Carry HOME on: lift the tool first, then search, and end with success or the number of an error."""
         if self._lifting:
             self._lifting = not self._queue.still()
             if not self._lifting:
@@ -129,7 +126,7 @@ class Homing(Feature):
         if result == 0:
             self._end_run(now_ms)
         elif result != _ON_ITS_WAY:
-            machine.homing_failed(result)
+            self._machine.homing_failed(result)
 
     def _end_run(self, now_ms):
         """End a run: all axes asked for stand at their origin. Begin the next if quality is measured, else finish HOME."""

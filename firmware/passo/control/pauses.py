@@ -61,7 +61,7 @@ class Pauses(Feature):
             return result
         if machine.checking:
             return machine.confirm_command(command)
-        machine.command = command
+        machine.begin(command)
         if command.value:
             machine.notice(errors.NOTICE_TOOL, command.value - 1)
         else:

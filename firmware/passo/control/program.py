@@ -303,10 +303,9 @@ class Program(LineBatches):
         error = self._queue_motion(command)
         if error:
             return error
-        machine.command = command
         self._queue.flush()
         machine.active = True
-        return 0
+        return machine.begin(command)
 
     def _poll_probe(self, still):
         """Stop at the probe's contact, or end PROBE without one. `still`: the machine stood before this call."""
@@ -352,8 +351,7 @@ class Program(LineBatches):
         self._dwell_ms = (command.value + 999) // 1000
         self._go_on_dwelling()
         machine.active = True
-        machine.command = command
-        return 0
+        return machine.begin(command)
 
     def _go_on_dwelling(self):
         """Queue the next hour of a dwell, or the rest of it if that is less."""

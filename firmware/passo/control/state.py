@@ -47,7 +47,8 @@ class MachineState:
         self.checking = False  # commands are only checked
         self.sleeping = False  # everything is off until RESET
         self.detached = False  # the motors are another controller's, and no motion takes them
-        self.command = None  # the long command under way
+        self.command = None  # the long command under way, see begin()
+        self.poll = None  # poll(now_ms): goes on with it, once a cycle; None: nothing has to
         self.hold = ""  # "hold" or "door" while the machine is held, or on its way to its stand
         self.stood = False  # it has come to its stand
         self.resuming = False  # it waits for spindle or coolant before it goes on
@@ -211,6 +212,13 @@ class MachineState:
         event = command.reply or Event(ACCEPTED, command)
         event.value = value
         self.events.append(event)
+        return 0
+
+    def begin(self, command, poll=None):
+        """Begin a long command: FINISHED answers it, by finish(), or a refusal if work is dropped. poll(now_ms) goes on with it, once a cycle.
+        Returns 0."""
+        self.command = command
+        self.poll = poll
         return 0
 
     def finish(self, value=None):

@@ -109,19 +109,16 @@ class Tools(Feature):
                 machine.note_motion()
                 if still or not laser:
                     self._queue.flush()
-                    machine.command = command
-                    return 0
+                    return machine.begin(command)
             elif not laser or still and lit:
                 self._queue.analogue.set(thousandths(machine.power))
                 self._queue.restore_power()
                 if turned and lit and not laser and self._queue.tool_ms(True):  # the other way round
                     self._queue.wait(self._queue.tool_ms(True), 0)
                     self._queue.flush()
-                    machine.command = command
-                    return 0
+                    return machine.begin(command)
                 if lit and not machine.is_at_speed():
-                    machine.command = command
-                    return 0
+                    return machine.begin(command)
         return machine.confirm_command(command)
 
     def _set_coolant(self, command):

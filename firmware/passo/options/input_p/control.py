@@ -55,14 +55,11 @@ class Inputs(Feature):
         self._was = machine.inputs.input(name)
         self._left_ms = command.feed
         self._looked_ms = machine.port.machine_ms()
-        machine.command = command
-        return 0
+        return machine.begin(command, self._go_on_waiting)
 
-    def poll_command(self, now_ms):
+    def _go_on_waiting(self, now_ms):
         """End the wait if the input is as wanted, or the time is over. In a hold neither counts."""
         machine = self._machine
-        if not machine.busy_with(commands.CODE + 66):
-            return
         passed_ms = (now_ms - self._looked_ms) & COUNT_MASK
         self._looked_ms = now_ms
         if machine.hold:

@@ -199,8 +199,7 @@ class Jobs(Feature):
             self._reading = self._store.open_upload()
             if self._reading is None:
                 return JOB_UPLOAD
-            machine.command = command
-            return 0
+            return machine.begin(command, self._read_upload)
         if what == JOB_DATA:
             error = self._store.add_data(command.target)
         elif what == JOB_OPEN:
@@ -353,11 +352,9 @@ class Jobs(Feature):
         if file is not None:
             self._store.close(file)
 
-    def poll_command(self, now_ms):
+    def _read_upload(self, _):
         """Read an upload back, and make it the job if it is right."""
         machine = self._machine
-        if self._reading is None or not machine.busy_with(JOB):
-            return
         error = self._read_on(self._reading)
         if error is None:
             return
