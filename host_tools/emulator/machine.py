@@ -18,7 +18,6 @@ from host_tools.build.tree import build_tree
 from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.homing import HomingWatch
-from host_tools.emulator.inverter import WiredInverter
 from host_tools.emulator.tmc import WiredDrivers, WiredSpiDrivers
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.wire import UsbWire
@@ -71,7 +70,11 @@ class EmulatedMachine:
         self._links = {link["name"]: link for link in self.board["links"]}
         self._first = self.board["links"][0]["name"]
         self._usb = UsbWire(self.pico)
-        self.inverter = WiredInverter(self.pico, self.board["inverter"]) if self.board.get("inverter") else None
+        self.inverter = None
+        if self.board.get("inverter"):
+            from host_tools.emulator.inverter import WiredInverter
+
+            self.inverter = WiredInverter(self.pico, self.board["inverter"])
         self.drivers = WiredDrivers(self.pico, self.board["drivers"]) if self.board.get("drivers") else None
         if self.board.get("spi_drivers"):
             self.drivers = WiredSpiDrivers(self.pico, self.board["spi_drivers"])

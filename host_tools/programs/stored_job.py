@@ -12,7 +12,6 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
-from passo.options.card.config import END_MARK
 from passo.options.jobs.config import WINDOW_BITS, first_line
 from passo.options.jobs.config_names import LONGEST_NAME, NAME_LETTERS, name_fits
 from passo.options.jobs.manifest import RULES
@@ -72,6 +71,8 @@ def write_on_card(card, name, language, data):
     if not card.is_dir():
         raise Failure("there is no folder {}: is the card in, and mounted?", card)
     folder = card / RULES["jobs"]["folder"][1].lstrip("/")
+    from passo.options.card.config import END_MARK  # here: only a card asks for that option
+
     try:
         folder.mkdir(exist_ok=True)
         path = folder / f"{name}.alt"

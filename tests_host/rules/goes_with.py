@@ -1,7 +1,7 @@
 """A plug-in of pytest for a copy without an option (without.py): tests that ask for it at run time go with it.
 
-PASSO_GONE has the names of the options, languages and boards removed. A test asks for one if it, or a program that it starts, loads a board file with the
-option's key, or one of these boards, or if a file of tests_host imports its module. It is skipped: "goes with parking". An import of such a module by any
+PASSO_GONE has the names of the options, languages, boards and pages removed. A test asks for one if it, or a program that it starts, loads a board file with the
+option's key, or one of these boards, if it reads one of these pages, or if a file of tests_host imports the module. It is skipped: "goes with parking". An import of such a module by any
 other file is a fault.
 """
 
@@ -35,6 +35,8 @@ def _names_in(error):
     """Return the names that an error may be about, as GONE has them."""
     if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("passo."):
         return {error.name.split(".")[2]} if error.name.count(".") > 1 and _TESTS in _importer(error).parts else set()
+    if isinstance(error, FileNotFoundError):
+        return {name for name in GONE if str(error.filename).endswith("/" + name)}
     return {start + name for start, texts in _TEXTS.items() for found in re.finditer(texts, str(error)) for name in found.groups() if name}
 
 

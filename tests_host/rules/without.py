@@ -26,7 +26,8 @@ from host_tools import boards, interpreter, options
 from host_tools.build import tree
 from host_tools.build.reference import load_manifests
 from host_tools.resources import FIRMWARE, ROOT
-from passo.config.board_error import options_by_value
+from passo.config.board_error import inputs_of, options_by_value
+from passo.config.boardfile import check
 
 LANGUAGES = FIRMWARE / "passo" / "protocols"
 _ROOTS = "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "docs/README.md", "docs/pt/README.md", "docs/inside/architecture.md", "tests_host/README.md"
@@ -119,26 +120,28 @@ def _anchor(heading):
 
 
 def _unlink(copy):
-    """Make plain text of links in the copy that lead nowhere, and of paths in inline code that are gone."""
+    """Make plain text of links in the copy that lead nowhere, and of paths in inline code that are gone; of those in texts for docs/reference, too."""
     pages = [path for path in copy.rglob("*.md") if ".venv" not in path.parts]
     anchors = {path.resolve(): {_anchor(line) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#")} for path in pages}
-    for page in pages:
+    sources = [*(copy / "firmware" / tree.OPTIONS).glob("*/words.py"), copy / "host_tools" / "build" / "board_keys.py"]
+    for page in [*pages, *sources]:
         text = page.read_text(encoding="utf-8")
+        folder = copy / "docs" / "reference" if page in sources else page.parent
 
-        def leads(target, page=page):
+        def leads(target, page=page, folder=folder):
             name, _, part = target.partition("#")
-            path = (page.parent / name).resolve() if name else page.resolve()
+            path = (folder / name).resolve() if name else page.resolve()
             return re.match(r"https?:|mailto:", target) or path.exists() and (not part or part in anchors.get(path, (part,)))
 
         made = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", lambda found: found[0] if leads(found[3]) else found[2], text)
-        made = re.sub(r"`([\w./]+/[\w.]+\.\w+)`", lambda found: found[0] if _is_left(found[1], page, copy) else found[1], made)
+        made = re.sub(r"`([\w./]+/[\w.]+\.\w+)`", lambda found, folder=folder: found[0] if _is_left(found[1], folder, copy) else found[1], made)
         if made != text:
             page.write_text(made, encoding="utf-8")
 
 
-def _is_left(name, page, copy):
-    """Return whether a path that a page names is as it was: there, or no file of the repository."""
-    roots = ("", "firmware/passo", "firmware", page.parent.relative_to(copy).as_posix())
+def _is_left(name, folder, copy):
+    """Return whether a path that a page of `folder` names is as it was: there, or no file of the repository."""
+    roots = ("", "firmware/passo", "firmware", folder.relative_to(copy).as_posix())
     return not any((ROOT / root / name).exists() for root in roots) or any((copy / root / name).exists() for root in roots)
 
 
@@ -162,13 +165,27 @@ def make(name, copy):
     for folder in (copy / "tests_host").glob("*/*"):
         if folder.is_dir() and not any(folder.glob("*.*")):
             shutil.rmtree(folder)
-    golden = copy / "tests_host" / "golden" / "boards.txt"
-    golden.write_text("".join(line for line in golden.read_text(encoding="utf-8").splitlines(True) if line.split()[0] not in lost), encoding="utf-8")
+    _leave_rows(copy / "tests_host" / "golden" / "boards.txt", lambda row: row.split()[0] not in lost)
+    only = _surface_of(lost) - _surface_of(set(boards.names()) - lost)
+    _leave_rows(copy / "tests_host" / "golden" / "surface.txt", lambda row: row not in only)
     _make_environment(copy)
+    _unlink(copy)
     run(copy, copy / "host_tools" / "build" / "reference.py")
     _unlink(copy)
     names = {what: sorted(path.relative_to(ROOT).as_posix() for path in paths) for what, paths in (("tests", tests), ("pages", pages))}
     return {"options": sorted(gone), "languages": sorted(languages), "boards": sorted(lost), **names}
+
+
+def _leave_rows(golden, is_left):
+    golden.write_text("".join(row + "\n" for row in golden.read_text(encoding="utf-8").splitlines() if is_left(row)), encoding="utf-8")
+
+
+def _surface_of(names):
+    """Return the rows of golden/surface.txt that these boards have: settings, and inputs with a meaning."""
+    checked = [check(boards.load(name)) for name in names]
+    return {f"setting ${number} {rule[0]}" for board in checked for number, rule in boards.settings_of(board).items()} | {
+        f"input {row[0]} {row[1]}" for board in checked for row in inputs_of(board)
+    }
 
 
 def _needless(folder, names):
@@ -193,11 +210,11 @@ def _make_environment(copy):
             (made / inside / path.name).symlink_to(path)
 
 
-def run(copy, *arguments, check=True):
-    """Run a script of the copy with its own modules. Returns (status, output). Raises RuntimeError if it fails and `check`."""
+def run(copy, *arguments, may_fail=False):
+    """Run a script of the copy with its own modules. Returns (status, output). Raises RuntimeError if it fails, unless it `may_fail`."""
     command = [str(copy / ".venv" / "bin" / "python"), "-P", "-E", *map(str, arguments)]
     done = subprocess.run(command, env=interpreter.environment(), cwd=copy, capture_output=True, text=True)
-    if check and done.returncode:
+    if done.returncode and not may_fail:
         raise RuntimeError(done.stdout + done.stderr)
     return done.returncode, done.stdout + done.stderr
 
@@ -206,9 +223,9 @@ def run_tests(copy, gone, *arguments):
     """Run pytest in a copy; `gone`: the result of make(). Returns (status, output)."""
     script = copy / "run.py"
     script.write_text(_RUN % str(copy / "tests_host" / "rules"), encoding="utf-8")
-    os.environ["PASSO_GONE"] = ",".join(gone["options"] + gone["languages"] + ["boards." + name for name in gone["boards"]])
+    os.environ["PASSO_GONE"] = ",".join(gone["options"] + gone["languages"] + ["boards." + name for name in gone["boards"]] + gone["pages"])
     try:
-        return run(copy, script, "-q", "-p", "no:cacheprovider", "-p", "goes_with", *arguments, check=False)
+        return run(copy, script, "-q", "-p", "no:cacheprovider", "-p", "goes_with", *arguments, may_fail=True)
     finally:
         del os.environ["PASSO_GONE"]
 

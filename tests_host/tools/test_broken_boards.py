@@ -12,7 +12,6 @@ import pytest
 from host_tools import boards as project
 from host_tools.cli.main import main
 from host_tools.failure import Failure
-from host_tools.programs import blackbox
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
@@ -213,8 +212,6 @@ def test_code_in_a_board_file_is_refused_with_its_line_and_not_run(kind, tmp_pat
     monkeypatch.chdir(tmp_path)
     with pytest.raises(Failure, match=rf"board file mine.py, line {line or '[0-9]+'}: this is code; "):
         project.load("mine.py")
-    with pytest.raises(Failure, match="the board file beside the black box: .* this is code"):
-        blackbox.board_of(text)
     assert not (tmp_path / "ran").exists()
 
 

@@ -21,7 +21,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("install")]
 # Words of commands, and the tests that run those.
 ELSEWHERE = {
     ("prove", "--port"): "tests_host/pico/test_pico_prove.py",
-    ("blackbox",): "tests_host/tools/test_blackbox_command.py",
+    ("blackbox",): "tests_host/options/blackbox/test_blackbox_command.py",
     ("machine",): "tests_host/tools/test_machine.py",
     ("link",): "tests_host/tools/test_board_command.py",
     ("wifi", "access"): "tests_host/options/network/test_wifi_command.py",

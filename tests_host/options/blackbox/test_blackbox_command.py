@@ -1,11 +1,12 @@
-"""`passo blackbox` with a file, as somebody gets it who was not there; tests_host/options/blackbox/test_pico_blackbox.py reads one off a port."""
+"""`passo blackbox` with a file, as somebody gets it who was not there; test_pico_blackbox.py reads one off a port."""
 
 import pytest
 from black_boxes import CAUSES
 from typer.testing import CliRunner
 
 from host_tools.cli.main import app
-from host_tools.programs.blackbox import pack_files, unpack_files
+from host_tools.failure import Failure
+from host_tools.programs.blackbox import board_of, pack_files, unpack_files
 
 
 @pytest.fixture(scope="module")
@@ -47,3 +48,11 @@ def test_another_way_is_an_error(file, tmp_path):
 def test_what_it_refuses(file, words, wanted):
     status, text = said(*(word.format(file) for word in words))
     assert status == 1 and wanted in text
+
+
+@pytest.mark.parametrize("text", ["import os\nos.mkdir('ran')\nBOARD = {}\n", "BOARD = {'name': __import__('os').mkdir('ran')}\n", "class BOARD:\n    pass\n"])
+def test_code_in_the_board_file_of_a_box_is_not_run(text, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Failure, match="the board file beside the black box: .* this is code"):
+        board_of(text)
+    assert not (tmp_path / "ran").exists()
