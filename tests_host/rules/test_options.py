@@ -1,6 +1,8 @@
-"""Each folder of passo/options can be deleted: boards that do not ask for its key check and have the files that they had; the key is unknown.
+"""Each folder of passo/options can be deleted, and each language but grbl: boards that do not ask for it check, and their builds have the files and the bytes
+that they had; the key is unknown; tests of the others are collected, and the rules pass.
 
-`make check` tries two of them by lot, `make test-all` each.
+`make check` tries two options by lot, `make test-all` each in a copy of the repository (without.py); of three by lot it runs what `make check` runs there.
+PASSO_LOT=7 draws as seed 7 does; a failure tells its seed.
 """
 
 import json
@@ -12,56 +14,75 @@ import time
 import zlib
 
 import pytest
+import without
 
 from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.build.reference import load_manifests
 from host_tools.resources import FIRMWARE, ROOT
-from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, options_by_value
+from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, nearest, options_by_value
 from passo.config.boardfile import check
 
 OPTIONS = sorted(load_manifests())
 _RUN = os.environ.get("PYTEST_XDIST_TESTRUNUID") or str(time.time())  # the same for all workers
 SEED = os.environ.get("PASSO_LOT") or str(zlib.crc32(_RUN.encode()) & 0xFFFF)
-LOT = random.Random(SEED).sample(OPTIONS, 2)
-# Imports what a PC can; then says of each board: the files of its build, or why its board file is refused.
+LOT = random.Random(SEED).sample(OPTIONS, 3)
+# Imports what a PC can; then says of each board the files of its build, or why its board file is refused; of boards named the stamp of their builds; of keys named
+# the error of a board file that has one.
 _ALL_BOARDS = """
-import importlib, json, sys
+import importlib, json, sys, tempfile
 from pathlib import Path
-from host_tools import boards, interpreter
+from host_tools import boards
 from host_tools.build import tree
 from host_tools.failure import Failure
-for path in tree.module_files(Path(sys.argv[1])):
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
+firmware, named, keys = Path(sys.argv[1]), sys.argv[2].split(","), sys.argv[3:]
+for path in tree.module_files(firmware):
     if path.parts[1] != "ports" and not path.stem.startswith("port"):
         importlib.import_module(".".join(path.with_suffix("").parts))
-found = {}
+files, stamps, errors = {}, {}, {}
 for name in boards.names():
     try:
-        found[name] = sorted(path.as_posix() for path in tree.select_modules(boards.load(name), Path(sys.argv[1])))
+        board = boards.load(name)
+        files[name] = sorted(path.as_posix() for path in tree.select_modules(board, firmware))
     except Failure as failure:
-        found[name] = str(failure)
-print(json.dumps(found))
+        files[name] = str(failure)
+        continue
+    for key in keys:
+        try:
+            check({**board, key: {}})
+        except BoardError as error:
+            errors[key] = str(error)
+    if name in named or named == ["all"]:
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                tree.build_tree(name, Path(folder), firmware=firmware)
+                stamps[name] = (Path(folder) / tree.STAMP).read_text()
+            except Failure as failure:
+                stamps[name] = str(failure)  # too large for stock MicroPython: it tells the size
+print(json.dumps([files, stamps, errors]))
 """
 
 
-def builds(firmware, folder):
-    """{board: the files of its build, or the error} with this firmware; `folder`: for the script that finds them."""
+def builds(firmware, folder, named, keys=()):
+    """[{board: the files of its build, or the error}, {board: stamp} of the boards named, {key: the error of a board file with it}] with this firmware; `folder`:
+    for the script that finds them."""
     script = folder / "all_boards.py"
     script.write_text(_ALL_BOARDS, encoding="utf-8")
-    command = [*interpreter.python(firmware, ROOT), str(script), str(firmware)]
+    command = [*interpreter.python(firmware, ROOT), str(script), str(firmware), named, *keys]
     done = subprocess.run(command, env=interpreter.environment(), cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
+# A board of which no option by lot for `make check` takes anything: it is built there.
+BUILT = random.Random(SEED).choice([name for name in boards.names() if not any(name in without.boards_with(*without.parts(option)) for option in LOT[:2])] or [""])
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    return builds(FIRMWARE, tmp_path_factory.mktemp("whole"))
-
-
-def parts(option):
-    """The option and those that share its files: they go together."""
-    return {option} | {other for other, manifest in load_manifests().items() if option in getattr(manifest, "SHARES", ())}
+    return builds(FIRMWARE, tmp_path_factory.mktemp("whole"), BUILT)
 
 
 def spoken(board):
@@ -70,46 +91,61 @@ def spoken(board):
     return {option for path in paths for option in tree.options_asked(path.read_text(encoding="utf-8"))}
 
 
-@pytest.mark.parametrize("option", [pytest.param(option, marks=pytest.mark.quick if option in LOT else pytest.mark.slow) for option in OPTIONS])
+@pytest.mark.parametrize("option", [pytest.param(option, marks=pytest.mark.quick if option in LOT[:2] else pytest.mark.slow) for option in OPTIONS])
 def test_an_option_can_be_deleted(option, whole, tmp_path):
     firmware = tmp_path / "firmware"
     shutil.copytree(FIRMWARE, firmware, ignore=shutil.ignore_patterns("__pycache__"))
-    gone = parts(option)
+    gone, _ = without.parts(option)
+    keys = {key: manifest for key, manifest in load_manifests().items() if key in gone and key in manifest.RULES}
     for name in gone:
         shutil.rmtree(firmware / tree.OPTIONS / name)
-    left = builds(firmware, tmp_path)
-    assert left.keys() == whole.keys()
+    files, _, _ = whole
+    left, stamps, errors = builds(firmware, tmp_path, BUILT, keys)
+    assert stamps.items() <= whole[1].items() and (stamps or option not in LOT[:2])
+    for key in keys:
+        known = errors[key].partition("; known are ")[2].split(", ")
+        assert errors[key].startswith(f"the board file: unknown key {key!r}{nearest(key, known)}; known are ") and "chip" in known and key not in known
+    assert left.keys() == files.keys()
     for name in boards.names():
         board = boards.load(name)
         asked, by_value = gone & board.keys(), gone & set(options_by_value(board))
         outputs = {each for each in by_value if each.startswith((OF_OUTPUT, OF_INPUT))}
         if outputs:  # one that nothing sees to any more is no fault
-            assert set(whole[name]) - set(left[name]) >= {str(tree.OPTIONS / each / tree.MANIFEST) for each in outputs}, (name, SEED)
+            assert set(files[name]) - set(left[name]) >= {str(tree.OPTIONS / each / tree.MANIFEST) for each in outputs}, (name, SEED)
         elif asked or by_value or gone & spoken(board):
             said = [f"unknown key '{key}'" for key in asked] + [f"asks for the option {each}" for each in by_value | gone & spoken(board)]
             said += [f"'{each.partition('_')[2]}' is none of step_dir" for each in by_value]
             assert isinstance(left[name], str) and any(text in left[name] for text in said), (name, SEED)
         else:
-            assert left[name] == whole[name], (name, SEED)
+            assert left[name] == files[name], (name, SEED)
 
 
-LANGUAGES = sorted(path.parent.name for path in (FIRMWARE / "passo" / "protocols").glob("*/__init__.py") if "NEEDS =" in path.read_text(encoding="utf-8"))
+LANGUAGES = sorted(set(without.language_names()) - {"grbl"})  # whose files the PC's engine is made of
+
+
+@pytest.fixture(scope="module")
+def stamps(tmp_path_factory):
+    """{board: the stamp of its build}."""
+    return builds(FIRMWARE, tmp_path_factory.mktemp("stamps"), "all")[1]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("language", sorted(set(LANGUAGES) - {"grbl"}))  # whose files the PC's engine is made of
-def test_a_language_can_be_deleted(language, whole, tmp_path):
-    firmware = tmp_path / "firmware"
-    shutil.copytree(FIRMWARE, firmware, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.rmtree(firmware / "passo" / "protocols" / language)
-    for path in [*firmware.glob(f"passo/options/*/language_{language}.py"), *firmware.glob(f"passo/protocols/page/{language}.py")]:
-        path.unlink()  # files of options and of the page for this language
-    left = builds(firmware, tmp_path)
-    for name in boards.names():
-        if language in [link["protocol"] for link in boards.load(name)["links"]]:
-            assert isinstance(left[name], str) and language in left[name], name
-        else:
-            assert left[name] == whole[name], name
+@pytest.mark.parametrize("name", [*OPTIONS, *LANGUAGES])
+def test_what_is_left_is_whole(name, stamps, tmp_path, show):
+    """Each board that is left has the build that it had, byte by byte; all tests are collected, and rules pass. Of the options by lot: all that `make check` runs."""
+    copy = tmp_path / "copy"
+    gone = without.make(name, copy)
+    script = copy / "all_boards.py"
+    script.write_text(_ALL_BOARDS, encoding="utf-8")
+    files, left, _ = json.loads(without.run(copy, script, copy / "firmware", "all")[1])
+    assert left == {board: stamp for board, stamp in stamps.items() if board not in gone["boards"]} and left.keys() == files.keys()
+    script.unlink()
+    status, said = without.run_tests(copy, gone, "--tier", "all", "--collect-only")
+    assert status == 0, said[-6000:]
+    checked = () if name in LOT else ("tests_host/rules", "--deselect", "tests_host/rules/test_additions.py")
+    status, said = without.run_tests(copy, gone, "--tier", "check", "-rs", *checked)
+    show(f"without {name}", "\n".join(f"{what}: {', '.join(names)}" for what, names in gone.items() if names) + "\n" + said.strip().rpartition("\n")[2])
+    assert status == 0, f"seed {SEED}\n" + said[-6000:]
 
 
 ADDED = sorted(vars(Additions()))  # and those that it had as keys of the board
