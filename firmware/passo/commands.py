@@ -44,12 +44,9 @@ SLEEP = const(26)  # everything off until RESET
 # Of the link.
 SYNC = const(27)  # an answer only, once everything before it has ended
 HAND_OVER = const(28)  # `value`: the link that may command from now on, the board file's first is 1; 0: this one
-# Axes on their own, and the controller of the motors.
-RUN = const(29)  # axes run on their own from now on: see Run
-REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.unpowered
-ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
+# Of the controller of the motors.
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
-# Settings and counts.
+# Settings.
 STILL = const(33)  # accepted at a stand, else refused as BUSY; `value`: (steps, steps/s) of a jog of each axis, which are kept, or 0
 SETTING = const(35)  # `target`: its number, None: which there are; `value`: in thousandths, None: tell it, or `tool`: as the board file has it
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
@@ -58,9 +55,6 @@ WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on
 SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
 # Of the network.
 ADMIT = const(39)  # `value` minutes: programs without a key may move the machine over the network, if the board file allows that
-# Step programs.
-STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
-STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
 # Of the journal of stored jobs.
 JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
 # Lines of G-code that features bring.
@@ -96,37 +90,6 @@ POWER = const(2)
 ALL = const(3)
 SPINDLE_STOP = const(4)  # TOGGLE
 
-AT_REST = const(0)  # Run.when: refused while anything moves
-AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
-LIVE = const(2)  # or changes what the axes named do, while others run on
-FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
-
-# STEP_PROGRAM_ADD
-STEPS_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole
-STEPS_ITEMS = const(1)  # `target`: list of items, see below
-STEPS_CLOSE = const(2)  # it is complete
-STEPS_ABORT = const(3)  # it cannot be understood: `error` has the reason; the part under way stops
-
-# An item: single steps are `count << 8 | negative << 4 | mask of axes`; without axes it is `value << 8 | one of these << 4`.
-STEPS_WAIT = const(1)  # ms
-STEPS_TOOL = const(2)  # 1 on, 0 off
-STEPS_SPEED = const(3)  # mm/min along the path; above the fastest it is that
-STEPS_FASTEST = const(4)
-STEPS_DEFAULT = const(5)  # the speed of the board file
-STEPS_DRIVES = const(6)  # 1 on, 0 off
-STEPS_ASK = const(7)  # the operator sets the speed
-
-# STEP_PROGRAM: what to do with it
-STEPS_GO = const(0)  # `tool`: backward; `power`: how many times, 0: as set
-STEPS_STEP = const(1)  # one unit; `tool`: backward
-STEPS_RETURN = const(2)  # the way back of the manual moves, then on; `tool`: backward
-STEPS_CONTINUE = const(3)  # from here, forget the manual moves; `tool`: backward
-STEPS_PASSES = const(4)  # `power`: how many times, 1 … 100
-STEPS_PACE = const(5)  # `feed`: mm/min from now on to the next speed of the program
-STEPS_JOG = const(6)  # `target`: steps of each axis, one axis after the other
-STEPS_HAND_TOOL = const(7)  # `tool`
-STEPS_HAND_DRIVES = const(8)  # `tool`: on
-
 # The position in a job, as a feature's progress() gives it to the journal: fields of an array, see options/journal/control.py.
 SPOT_INDEX = const(0)  # units done
 SPOT_TIMES = const(1)  # times to be played, this one included
@@ -146,7 +109,6 @@ DROPPED = const(6)  # pushed to every link, `command` None: the commands it sent
 class Command:
     reply = None  # the Event ACCEPTED, of a Command that is sent again and again
     ends = False  # COOLANT: of a program's end
-    unpowered = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
 
     def __init__(self, kind, target=None, value=0, tool=False, error=0):
         self.kind = kind
@@ -191,19 +153,6 @@ class Motion(Command):
 def thousandths(power):
     """Return a command's power, which is in millionths, in thousandths: at least 1 if it is not off."""
     return max((power + 500) // 1000, 1) if power else 0
-
-
-class Run(Command):
-    """RUN. `steps` of each axis, signed, ±FOREVER, 0 to change its rate only, None to leave it alone; `rates` of each: (steps, in
-    milliseconds). `when` it may be: AT_REST, AS_JOG or LIVE. Of a live one the steps are added to those to come, or take their place where
-    the direction is the other one. FINISHED follows when all axes stand.
-    """
-
-    def __init__(self, steps, rates, when=AT_REST):
-        Command.__init__(self, RUN)
-        self.steps = steps
-        self.rates = rates
-        self.when = when
 
 
 class Event:

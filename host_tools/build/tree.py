@@ -160,8 +160,8 @@ def options_of(board, firmware=FIRMWARE):
 
 
 def options_asked(text):
-    """Return the names of the options in OPTIONS of a language's __init__."""
-    return re.findall(r"passo\.options\.(\w+)", text)
+    """Return the names of the options in OPTIONS and WANTS of a language's __init__."""
+    return re.findall(r"passo\.options\.(\w+)", text) + re.findall(r'^WANTS = "(\w+)"', text, re.MULTILINE)
 
 
 @lru_cache(maxsize=64)

@@ -161,7 +161,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
         passo pulses image square.txt --board boards/mine.py
     """
     from host_tools.programs import pulse_file
-    from passo.commands import STEPS_DRIVES, STEPS_TOOL
+    from passo.options.step_program.commands import STEPS_DRIVES, STEPS_TOOL
     from passo.protocols.pulses.report import port_byte
 
     config, axes = _load_board(board)

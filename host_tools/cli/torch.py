@@ -9,7 +9,7 @@ import typer
 from host_tools.cli.options import Baud, BoardName, Log, Port
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
-from passo.commands import FOREVER
+from passo.options.independent.commands import FOREVER
 
 app = typer.Typer(
     help="""Drive the torch manipulator: each axis at its own speed to its own target.

@@ -16,6 +16,9 @@ from host_tools.clients.grbl_wire import LOST, whole_lines
 from host_tools.clients.answers import setting_line
 from passo import commands
 from passo.commands import ACCEPTED, REFUSED, STATUS_WORDS, Event
+from passo.options.step_program.commands import (
+    STEPS_CONTINUE, STEPS_GO, STEPS_HAND_DRIVES, STEPS_HAND_TOOL, STEPS_JOG, STEPS_PACE, STEPS_RETURN, STEPS_STEP, STEP_PROGRAM,
+)  # fmt: skip
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
 from passo.protocols.pulses.report import status_from
 
@@ -23,8 +26,8 @@ END = ("end",)
 _ASK = ("?",)
 _MOST = const(8)  # commands under way
 _WORDS = {commands.STOP: ("stop",), commands.HOLD: ("pause",), commands.HOME: ("home",), commands.UNLOCK: ("unlock",), commands.HAND_OVER: ("link",)}
-_VERBS = {commands.STEPS_GO: "run", commands.STEPS_STEP: "step", commands.STEPS_RETURN: "return", commands.STEPS_CONTINUE: "continue"}
-_HANDS = {commands.STEPS_HAND_TOOL: "tool", commands.STEPS_HAND_DRIVES: "drives"}
+_VERBS = {STEPS_GO: "run", STEPS_STEP: "step", STEPS_RETURN: "return", STEPS_CONTINUE: "continue"}
+_HANDS = {STEPS_HAND_TOOL: "tool", STEPS_HAND_DRIVES: "drives"}
 
 
 def brace_in(data):
@@ -42,20 +45,20 @@ def words_of(command, axes):
         return "motors", "on" if command.value else "off"
     if command.kind == commands.SETTING:
         return (setting_line(command),)
-    if command.kind != commands.STEP_PROGRAM:
+    if command.kind != STEP_PROGRAM:
         return _WORDS[command.kind]
     what = command.value
-    if what == commands.STEPS_PACE:
+    if what == STEPS_PACE:
         return "speed", command.feed
     if what in _HANDS:
         return _HANDS[what], "on" if command.tool else "off"
-    if what == commands.STEPS_JOG:
+    if what == STEPS_JOG:
         words = ["jog"]
         for axis, steps in zip(axes, command.target):
             words += [axis, steps] * bool(steps)
         return words if len(words) > 1 else ("jog", axes[0], 0)
     if command.tool:
-        return ("back",) if what == commands.STEPS_GO else (_VERBS[what], "back")
+        return ("back",) if what == STEPS_GO else (_VERBS[what], "back")
     return (_VERBS[what],)
 
 

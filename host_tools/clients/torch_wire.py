@@ -9,20 +9,21 @@ import struct
 
 from host_tools.clients.answers import answer_of, is_complete, setting_line
 from passo import commands, errors
-from passo.commands import ACCEPTED, REFUSED, Event
+from passo.commands import ACCEPTED, REFUSED, STILL, Event
+from passo.options.independent.commands import AS_JOG, RUN, ZERO
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import line_of
 
 _OVERTAKEN = 5  # reports
 _JOGS = {(0, 1): "JOG_X+", (0, -1): "JOG_X-", (1, 1): "JOG_Y+", (1, -1): "JOG_Y-"}
-_FRAMES = {commands.STOP: torch.frame("STOP"), commands.ZERO: torch.frame("ORIGIN"), commands.HAND_OVER: torch.passo(torch.LINK_OF, 0),
+_FRAMES = {commands.STOP: torch.frame("STOP"), ZERO: torch.frame("ORIGIN"), commands.HAND_OVER: torch.passo(torch.LINK_OF, 0),
            commands.RESET: torch.passo(torch.UNLOCK_OF, 1), commands.UNLOCK: torch.passo(torch.UNLOCK_OF, 0)}  # fmt: skip
 
 
 def _run_frame(command):
     """The frame of a RUN command: a jog, or a move with a speed of each axis."""
     steps = [part or 0 for part in command.steps]
-    if command.when == commands.AS_JOG:
+    if command.when == AS_JOG:
         axis = 0 if steps[0] else 1
         return torch.frame(_JOGS[axis, 1 if steps[axis] > 0 else -1])
     speeds = [rate[0] if part >= 0 else -rate[0] for part, rate in zip(steps, command.rates)]
@@ -32,11 +33,11 @@ def _run_frame(command):
 def frame_of(command):
     """The frame, bytes, of a command (passo.commands)."""
     kind = command.kind
-    if kind == commands.RUN:
+    if kind == RUN:
         return _run_frame(command)
     if kind == commands.CONNECT:
         return torch.frame("CONNECT" if command.value else "DISCONNECT")
-    if kind == commands.STILL:  # preferences: (steps of a jog, default steps/s)
+    if kind == STILL:  # preferences: (steps of a jog, default steps/s)
         jogs, speeds = command.value
         return torch.configure(jogs[0], jogs[1], speeds[0], speeds[1])
     if kind == commands.SEAM:

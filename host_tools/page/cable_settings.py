@@ -10,7 +10,7 @@ A board that does not know such lines has none.
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import Command
+from passo.commands import STILL, Command
 from passo.config.setting_numbers import JOG, JOG_SPEED, STEPS, TRAVEL
 from passo.protocols.setting_lines import parse_thousandths
 
@@ -112,7 +112,7 @@ def with_settings(kind):
             kind.__init__(self, *arguments)
             self._questions = Questions()
             self.kinds[commands.SETTING] = self._take_setting
-            self.kinds[commands.STILL] = self._take_setting
+            self.kinds[STILL] = self._take_setting
 
         def settings_texts(self):
             """Ask the board for its settings, and return those known, {number: value as text}; all follow in a message."""

@@ -11,7 +11,8 @@ from micropython import const
 from host_tools.clients.pulses_wire import END, brace_in
 from host_tools.clients.grbl_wire import LOST
 from passo import errors
-from passo.commands import STEPS_ABORT
+from passo.options.step_program.commands import STEPS_ABORT
+from passo.options.step_program.errors import NO_STEP_PROGRAM, STEP_PROGRAM_FULL
 from passo.protocols.pulses.errors import NO_CODE
 from passo.protocols.pulses.protocol import Pulses, frame
 
@@ -55,7 +56,7 @@ class PulsesJob:
         if self._machine.busy_error() or self.is_running() or self._machine.state["state"] != "Idle":
             return errors.BUSY
         if not data:
-            return errors.NO_STEP_PROGRAM
+            return NO_STEP_PROGRAM
         if brace_in(data):
             return NO_CODE
         self.name = name
@@ -137,7 +138,7 @@ class PulsesJob:
             self._machine.note_result(error)
             return
         self._row, self._column = row, column
-        if error != errors.STEP_PROGRAM_FULL or self._stream:
+        if error != STEP_PROGRAM_FULL or self._stream:
             self.fail(error)
         elif self._checked:
             self._phase = _CHECKING
@@ -176,7 +177,7 @@ class PulsesJob:
 
     def replay_refusal(self):
         """0, or why the board's file may not be played now."""
-        return errors.BUSY if self.is_sending() else 0 if self.name else errors.NO_STEP_PROGRAM
+        return errors.BUSY if self.is_sending() else 0 if self.name else NO_STEP_PROGRAM
 
     def report(self, state, fields):
         """Take position, pass and direction of the file from a report. `state`: the board's word, `fields`: {name: text} of the report."""

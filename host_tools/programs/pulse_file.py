@@ -26,7 +26,7 @@ def load_pulses(path):
 def read_items(data, axes, config, name="the file"):
     """Return the items of a file (see passo.commands). Raises Failure with line and column of the fault."""
     from host_tools.language import error_text
-    from passo.commands import STEPS_ABORT, STEPS_ITEMS
+    from passo.options.step_program.commands import STEPS_ABORT, STEPS_ITEMS
     from passo.protocols.pulses.protocol import Pulses, frame
 
     protocol = Pulses(axes, config)
@@ -45,7 +45,7 @@ class Course:
     """Strokes, box, steps and time of a file."""
 
     def __init__(self, found, board):
-        from passo.commands import STEPS_DEFAULT, STEPS_FASTEST, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT
+        from passo.options.step_program.commands import STEPS_DEFAULT, STEPS_FASTEST, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT
         from passo.options.step_program.control_orders import lengths_of
 
         axes = board["axes"]

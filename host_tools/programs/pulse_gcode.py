@@ -15,6 +15,7 @@ import numpy as np
 from host_tools.failure import Failure
 from host_tools.programs import pulse_file
 from host_tools.programs.recognition import pieces
+from passo.options.step_program.commands import STEPS_ASK, STEPS_DEFAULT, STEPS_DRIVES, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT
 
 
 def to_gcode(found, board, beside=None):
@@ -71,21 +72,20 @@ class _Writer:
 
     def add_item(self, kind, value):
         """Append the lines of steps, or of a mark: tool on or off (a value of 0), wait in ms, drives, a question as M0, or a speed in mm/min."""
-        from passo import commands
 
         if kind == "steps":
             for piece in pieces(value, self._equal):
                 self._add_piece(piece)
-        elif kind == commands.STEPS_TOOL:
+        elif kind == STEPS_TOOL:
             self._lines.append("M3 S1000" if value else "M5")
-        elif kind == commands.STEPS_WAIT:
+        elif kind == STEPS_WAIT:
             self._lines.append(f"G4 P{value / 1000:g}")
-        elif kind == commands.STEPS_DRIVES:
+        elif kind == STEPS_DRIVES:
             self._lines.append("(drives on)" if value else "(drives off)")
-        elif kind == commands.STEPS_ASK:
+        elif kind == STEPS_ASK:
             self._lines.append("M0")
         else:
-            self._speed = {commands.STEPS_SPEED: value, commands.STEPS_DEFAULT: self._default}.get(kind)
+            self._speed = {STEPS_SPEED: value, STEPS_DEFAULT: self._default}.get(kind)
 
     def _add_piece(self, piece):
         """Append G0, G1 or an arc to the end of a piece, and count its steps. G0 if there is no speed in force."""
@@ -141,14 +141,13 @@ class _Compensated(_Writer):
     def add_item(self, kind, value):
         """Add steps or a mark: with the tool on, steps are collected as a contour, which is written when it goes off. Raises Failure at a wait or a
         question for the speed amid a contour."""
-        from passo import commands
 
-        if kind == commands.STEPS_TOOL and value:
+        if kind == STEPS_TOOL and value:
             self._contour = self._contour or []
-        elif kind == commands.STEPS_TOOL:
+        elif kind == STEPS_TOOL:
             self._write_contour()
             _Writer.add_item(self, kind, value)
-        elif self._contour and kind in (commands.STEPS_WAIT, commands.STEPS_ASK):
+        elif self._contour and kind in (STEPS_WAIT, STEPS_ASK):
             raise Failure("a wait, or a question for the speed, in the middle of a contour: it cannot be compensated")
         else:
             _Writer.add_item(self, kind, value)

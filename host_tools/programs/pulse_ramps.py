@@ -16,6 +16,7 @@ import numpy as np
 
 from host_tools.programs.pulse_file import letter_of
 from host_tools.programs.recognition import pieces
+from passo.options.step_program.commands import STEPS_ASK, STEPS_DEFAULT, STEPS_FASTEST, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT
 
 _FINER = 1.04  # from one speed to the next at most
 _STRAIGHT = math.cos(math.radians(1.0))
@@ -23,7 +24,6 @@ _STRAIGHT = math.cos(math.radians(1.0))
 
 def with_ramps(found, board, accel_mm_s2):
     """Return the text of a pulse file with the steps and marks of `found` and speeds that accelerate by `accel_mm_s2` at most."""
-    from passo import commands
     from passo.options.step_program.control_orders import lengths_of
 
     axes = board["axes"][:3]
@@ -36,17 +36,17 @@ def with_ramps(found, board, accel_mm_s2):
         mask, kind, value = item & 15, item >> 4 & 15, item >> 8
         if mask:
             maker.add_steps(item, speed)
-        elif kind in (commands.STEPS_SPEED, commands.STEPS_FASTEST, commands.STEPS_DEFAULT):
-            known = {commands.STEPS_SPEED: value, commands.STEPS_FASTEST: fastest}
+        elif kind in (STEPS_SPEED, STEPS_FASTEST, STEPS_DEFAULT):
+            known = {STEPS_SPEED: value, STEPS_FASTEST: fastest}
             speed = min(known.get(kind, config["default_mm_min"]), fastest)
-        elif kind == commands.STEPS_TOOL:
+        elif kind == STEPS_TOOL:
             slow = board["tool"].get("on_ms" if value else "off_ms", 0)
             maker.add_mark("(" if value else ")", slow > 0)
-        elif kind == commands.STEPS_ASK:
+        elif kind == STEPS_ASK:
             maker.add_mark("+0", True)
             speed = None  # the operator's, up to the next one of the file
         else:
-            maker.add_mark(f"*{value}" if kind == commands.STEPS_WAIT else "[" if value else "]", True)
+            maker.add_mark(f"*{value}" if kind == STEPS_WAIT else "[" if value else "]", True)
     maker.write_run()
     return "".join(maker.parts)
 

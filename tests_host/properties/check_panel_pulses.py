@@ -2,6 +2,7 @@
 
 from draws import Random
 from passo import errors
+from passo.options.step_program.errors import RETURN_OR_CONTINUE
 from passo.protocols.pulses.errors import NO_CODE, NUMBER_MISSING
 from passo.records import TICKS_PER_MS
 from pulses_desk import PulsesDesk
@@ -65,7 +66,7 @@ def check_a_pause_moves_by_hand_and_the_way_back():
     assert desk.place()[1] == left[1] - MM
     assert desk.order("play", what="run") == 0
     desk.run_ms(100)
-    assert desk.machine.log()[-1] == errors.RETURN_OR_CONTINUE
+    assert desk.machine.log()[-1] == RETURN_OR_CONTINUE
     assert desk.order("play", what="return") == 0
     assert desk.job()["how"] == "done" and desk.place() == END
 

@@ -3,10 +3,10 @@
 from draws import Random
 from lpt import Lpt
 from passo import commands
-from passo.commands import STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_CLOSE, STEPS_ITEMS
 from passo.motion.integers import isqrt
-from passo.protocols.pulses.protocol import Pulses, frame
+from passo.options.step_program.commands import STEPS_ABORT, STEPS_CLOSE, STEPS_ITEMS, STEP_PROGRAM_ADD
 from passo.protocols.pulses.codes import CODES
+from passo.protocols.pulses.protocol import Pulses, frame
 from passo.protocols.pulses.report import port_byte
 
 CASES = {

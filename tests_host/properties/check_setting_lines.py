@@ -4,6 +4,7 @@ from asked_settings import BOARDS, SettingBoard, frames_of
 from draws import Random
 from passo import errors
 from passo.config.journal import Journal, MemorySlots
+from passo.options.step_program.errors import NO_STEP_PROGRAM
 from passo.protocols.setting_lines import decimal_text, parse_thousandths
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import TypedWords, line_of
@@ -166,7 +167,7 @@ def check_pulses_follow():
     board.run_ms(20)
     assert step.program.total == 7
     assert board.say("$181=624")[-1] == "ok"
-    assert board.hear(b"{run}") == b"error:%d\n" % errors.NO_STEP_PROGRAM and step.fastest == 1201
+    assert board.hear(b"{run}") == b"error:%d\n" % NO_STEP_PROGRAM and step.fastest == 1201
     assert board.say("$100=160")[-1] == "ok" and board.say("$182=900")[-1] == "ok"
     assert board.hear(b"{load}[@A$A]{end}", 100).endswith(b"ok 6\n") and step.fastest == 600 and step._default == 600
     assert board.say("$100=0.05") == ["error:%d" % errors.SETTING_RANGE]

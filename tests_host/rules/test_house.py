@@ -314,10 +314,10 @@ def circles(imported):
 
 
 def between_folders(imported, top):
-    """Return {folder: folders that its modules import} for the folders under the package `top`."""
+    """Return {folder: folders that its modules import} for the folders under the package `top`; each option is a folder."""
     folders = {}
     for module, others in imported.items():
-        names = [tuple(each.split(".")[:2]) for each in (module, *others) if each.startswith(top + ".")]
+        names = [tuple(each.split(".")[: 3 if each.startswith("passo.options.") else 2]) for each in (module, *others) if each.startswith(top + ".")]
         if module.startswith(top + "."):
             folders.setdefault(".".join(names[0]), set()).update(".".join(name) for name in names[1:] if name != names[0])
     return folders
@@ -381,7 +381,7 @@ def test_only_steps_knows_the_feeders_state():
 
 # Modules of constants only: a module that reads many of them may import all.
 OF_CONSTANTS = ("passo.records", "passo.protocols.gcode.parse_records", "passo.protocols.grbl.report_records", "passo.ports.rp2.fields",
-                "passo.ports.rp2.registers")  # fmt: skip
+                "passo.ports.rp2.registers", "passo.options.independent.records")  # fmt: skip
 
 
 def star_faults(tree, public):

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from parsed import parse
 
+from host_tools.build.tree import options_asked
+
 pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,10 +61,7 @@ BY_KEY = ("board_error.py", "parts.py", "error_texts.py")
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {
     "passo/protocols/page/orders.py": {"jobs"},  # a word of the page: the files of its own
-    "passo/protocols/page/pulses.py": {"step_program"},  # the language of this key
     "passo/protocols/page/torch.py": {"weaving"},
-    "passo/protocols/pulses/__init__.py": {"step_program"},
-    "passo/protocols/pulses/report.py": {"step_program"},
 }
 
 # Shared by languages; otherwise none imports another.
@@ -126,11 +125,13 @@ def option_of(path):
 
 @functools.cache
 def options_open_to(path):
-    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or those that NAMES_OPTIONS still has; for a language
-    those of its OPTIONS."""
+    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or those that NAMES_OPTIONS still has; in a language's
+    folder, and in its page, those of its OPTIONS and WANTS."""
     option = option_of(path)
-    if path.parts[:2] == ("passo", "protocols") and path.name == "__init__.py" and len(path.parts) == 4:
-        return set(import_module(f"passo.protocols.{path.parts[2]}").__dict__.get("OPTIONS", ())) | NAMES_OPTIONS.get(path.as_posix(), set())
+    if path.parts[:2] == ("passo", "protocols") and len(path.parts) == 4:
+        language = FIRMWARE / path.parent.parent / (path.stem if path.parts[2] == "page" else path.parts[2]) / "__init__.py"
+        asked = options_asked(language.read_text(encoding="utf-8")) if language.is_file() else ()
+        return {*asked, *NAMES_OPTIONS.get(path.as_posix(), ())}
     if option is None:
         return NAMES_OPTIONS.get(path.as_posix(), set())
     return {option, *import_module(f"passo.options.{option}.manifest").__dict__.get("SHARES", ())}

@@ -38,8 +38,11 @@ from host_tools.failure import Failure
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 firmware, named, keys = Path(sys.argv[1]), sys.argv[2].split(","), sys.argv[3:]
+asked = {path.parent.name: tree.options_asked(path.read_text()) for path in (firmware / "passo" / "protocols").glob("*/__init__.py")}
+gone = [name for name in asked if [each for each in asked[name] if not (firmware / tree.OPTIONS / each).is_dir()]]  # languages that ask for what is deleted
 for path in tree.module_files(firmware):
-    if path.parts[1] != "ports" and not path.stem.startswith("port"):
+    of_language = path.parts[-2] if path.parts[1] == "protocols" and path.parts[-2] != "page" else path.stem.partition("language_")[2] or path.stem
+    if path.parts[1] != "ports" and not path.stem.startswith("port") and of_language not in gone:
         importlib.import_module(".".join(path.with_suffix("").parts))
 files, stamps, errors = {}, {}, {}
 for name in boards.names():

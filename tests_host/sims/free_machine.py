@@ -9,9 +9,10 @@ Runs under CPython and MicroPython.
 """
 
 from passo.app import App
-from passo.commands import AT_REST, RUN, STOP, Command, Run
+from passo.commands import STOP, Command
 from passo.config.boardfile import check
 from passo.machine_builder import make_drive
+from passo.options.independent.commands import AT_REST, Run
 from passo.ports.virtual import Nothing, VirtualPort
 
 

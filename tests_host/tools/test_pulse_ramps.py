@@ -11,8 +11,8 @@ from host_tools import boards
 from host_tools.programs import pulse_file, pulse_shapes
 from host_tools.programs.pulse_gcode import same_steps
 from host_tools.programs.pulse_ramps import with_ramps
-from passo.commands import STEPS_ASK, STEPS_SPEED
 from passo.config.boardfile import check
+from passo.options.step_program.commands import STEPS_ASK, STEPS_SPEED
 from test_board_command import Board
 from test_pulses_command import passo
 

@@ -21,7 +21,7 @@ STARTS = const(32)  # with a `value` of 0 it starts tool or program: somebody ha
 RIGHTS = {
     commands.BAD: NEVER_WAITS | HARMLESS, commands.HELLO: NEVER_WAITS | HARMLESS, commands.STATUS: NEVER_WAITS | HARMLESS,
     commands.STOP: NEVER_WAITS | HARMLESS, commands.HOLD: NEVER_WAITS | HARMLESS, commands.DOOR: NEVER_WAITS | HARMLESS,
-    commands.JOG_CANCEL: NEVER_WAITS | HARMLESS, commands.RESET: NEVER_WAITS | HARMLESS, commands.SYNC: HARMLESS, commands.REST: HARMLESS,
+    commands.JOG_CANCEL: NEVER_WAITS | HARMLESS, commands.RESET: NEVER_WAITS | HARMLESS, commands.SYNC: HARMLESS,
     commands.RESUME: NEVER_WAITS | OF_LENDER | STARTS, commands.OVERRIDE: NEVER_WAITS | OF_LENDER, commands.TOGGLE: NEVER_WAITS | OF_LENDER,
     commands.HAND_OVER: NEVER_WAITS | ANY_LINK, commands.SETTING: ASKS,
 }  # fmt: skip

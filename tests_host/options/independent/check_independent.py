@@ -2,7 +2,9 @@
 
 from free_machine import FreeMachine
 from passo import errors
-from passo.commands import AS_JOG, AT_REST, FOREVER, LIVE, REST, RUN, STATUS, ZERO, Command
+from passo.commands import STATUS, Command
+from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, LIVE, ZERO, Rest
+from passo.options.independent.errors import ZERO_IS_HOMED
 
 SHARING = 51  # ticks
 CASES = {
@@ -75,7 +77,7 @@ def check_live(kind, asks):
     place = 0
     for _, what, speed, ticks in asks:
         steps = (FOREVER, -FOREVER, 40, 0, 0)[what]
-        command = Command(REST, value=1 << axis)
+        command = Rest(1 << axis)
         if what < 4:
             steps = [steps if i == axis else None for i in range(2)]
             assert machine.run(steps, [(speed, 1000)] * 2, LIVE) == 0
@@ -86,7 +88,7 @@ def check_live(kind, asks):
         assert machine.controller.position() == place
     machine.poll(500_000)
     intervals_hold(machine, other, (12_500_000, rate))
-    assert machine.accept(Command(REST, value=3)) == 0
+    assert machine.accept(Rest(3)) == 0
     machine.settle()
     assert machine.controller.position() == machine.made() == list(machine.controller.queue.target)
     assert machine.controller.state == "idle"
@@ -142,10 +144,10 @@ def check_ramps_live(accel, asks):
             assert machine.run((steps, None), ((rate, 1000), None), LIVE) == 0
             fastest = max(fastest, rate)
         else:
-            assert machine.accept(Command(REST, value=1)) == 0
+            assert machine.accept(Rest(1)) == 0
         machine.poll(ticks)
         assert machine.controller.position() == machine.made()
-    assert machine.accept(Command(REST, value=1)) == 0
+    assert machine.accept(Rest(1)) == 0
     machine.settle()
     assert machine.controller.position() == machine.made()
     signed = machine.steps[0]
@@ -211,7 +213,7 @@ def check_limits_and_zero():
     assert controller.position() == [0, 0] and machine.part.steps_made() == [100, 50]
     controller.machine.homed = True
     controller.machine.settings._table[20] = ("soft_limits", 0, 1, 0, 1)
-    assert machine.accept(Command(ZERO)) == errors.ZERO_IS_HOMED
+    assert machine.accept(Command(ZERO)) == ZERO_IS_HOMED
     for steps in ((-1, None), (48_001, None), (FOREVER, None)):
         assert machine.run(steps, ((480, 1000), None)) == errors.TRAVEL
     assert machine.run((48_000, None), ((20_000, 1000), None), AS_JOG) == 0

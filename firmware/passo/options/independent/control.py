@@ -13,11 +13,14 @@ If soft limits hold, an endless run and a turn on the way are refused: their end
 import micropython
 from micropython import const
 
-from passo import commands, errors
-from passo.commands import FINISHED, FOREVER, Event
+from passo import errors
+from passo.commands import FINISHED, STILL, Event
 from passo.config import setting_numbers as table
 from passo.control.feature import WORK_GONE, Feature
+from passo.control.links import HARMLESS, RIGHTS
 from passo.errors import LATER
+from passo.options.independent.commands import AS_JOG, FOREVER, LIVE, REST, RUN, ZERO
+from passo.options.independent.errors import ZERO_IS_HOMED
 from passo.options.independent.motion import IndependentAxes
 from passo.options.independent.motion_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
@@ -49,11 +52,12 @@ class Independent(Feature):
 
     def handlers(self):
         """Return {kind of command: method} of this feature."""
+        RIGHTS[REST] = HARMLESS
         return {
-            commands.RUN: self._begin_run,
-            commands.REST: self._stop_axes,
-            commands.ZERO: self._set_zero,
-            commands.STILL: self._keep_jogs,
+            RUN: self._begin_run,
+            REST: self._stop_axes,
+            ZERO: self._set_zero,
+            STILL: self._keep_jogs,
         }
 
     def owns_axes(self):
@@ -151,9 +155,9 @@ class Independent(Feature):
         machine = self._machine
         if machine.hold or machine.dropping:
             return False
-        if command.when == commands.LIVE:
+        if command.when == LIVE:
             return True
-        return command.when == commands.AS_JOG and self._jog == self._directions_of(command)
+        return command.when == AS_JOG and self._jog == self._directions_of(command)
 
     def _directions_of(self, command):
         """Return each axis's direction: True forward, False back, None for an axis that the command does not name."""
@@ -205,7 +209,7 @@ class Independent(Feature):
         if self._command is None:
             self._from = target[:]  # the position at its start
             self._jog = None
-        if command.when == commands.AS_JOG:
+        if command.when == AS_JOG:
             self._jog = self._directions_of(command)
             machine.jogging = True
         if self._off or command.unpowered:
@@ -216,7 +220,7 @@ class Independent(Feature):
             if each is None:
                 continue
             steps = command.steps[axis]
-            if steps and self._command and command.when == commands.AS_JOG:
+            if steps and self._command and command.when == AS_JOG:
                 steps = self._steps_to_add(axis, command)
                 if not steps:
                     continue
@@ -274,7 +278,7 @@ class Independent(Feature):
         if machine.state not in _STANDING or not self._queue.still():
             return errors.BUSY
         if machine.homed:
-            return errors.ZERO_IS_HOMED
+            return ZERO_IS_HOMED
         made = self.steps_made()
         self._queue.set_origin()
         self._from = [-steps for steps in made]

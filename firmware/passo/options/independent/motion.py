@@ -25,8 +25,9 @@ from array import array
 
 import micropython
 
-from passo.options.independent.motion_viper import FAR, MOST_STEPS, walk
 from passo.motion.limits import TOP  # of speed units, so that q, and the sum of two, stay below 2³⁰
+from passo.options.independent.motion_viper import FAR, MOST_STEPS, walk
+from passo.options.independent.records import *
 from passo.records import *
 
 

@@ -9,6 +9,7 @@ reaches 2³⁰.
 import micropython
 from micropython import const
 
+from passo.options.independent.records import *
 from passo.records import *
 
 MOST_STEPS = const(0xFFFFFFF)  # that may be to come: 2²⁸ − 1

@@ -325,7 +325,7 @@ class Jobs(Feature):
         self._failed = error
         file = self.line.leave_file()
         machine.tell(Event(DROPPED, None, error))
-        if commands.HOLD in machine.handlers and commands.STEP_PROGRAM not in machine.handlers:
+        if commands.HOLD in machine.handlers and self._config["language"] != "pulses":
             machine.drop_at_stand()
         else:
             machine.carry_out(commands.STOP)

@@ -9,11 +9,11 @@ Manual moves at a pause are a step program of their own, which the automatic ret
 
 from micropython import const
 
-from passo import commands
 from passo.commands import FINISHED, Event
 from passo.control.counted_job import CountedJob
 from passo.control.feature import QUEUE_GONE, WORK_GONE
 from passo.control.links import NEVER_WAITS, OF_LENDER, RIGHTS
+from passo.options.step_program.commands import STEP_PROGRAM, STEP_PROGRAM_ADD
 from passo.options.step_program.control_orders import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, StepProgramOrders
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 
@@ -38,8 +38,8 @@ class StepProgramPlayer(StepProgramOrders):
         self._from = 0  # the start of the walk under way
 
     def handlers(self):
-        RIGHTS[commands.STEP_PROGRAM] = NEVER_WAITS | OF_LENDER
-        return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
+        RIGHTS[STEP_PROGRAM] = NEVER_WAITS | OF_LENDER
+        return {STEP_PROGRAM: self._do_order, STEP_PROGRAM_ADD: self._do_add}
 
     def owns_axes(self):
         """Return "run" while a program is under way, or is to set out, "hold" at a pause amid it, else ""."""

@@ -7,13 +7,18 @@ from array import array
 
 from micropython import const
 
-from passo import commands, errors
+from passo import errors
 from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.config import setting_numbers as table
 from passo.control.feature import Feature
 from passo.errors import LATER
 from passo.motion.integers import isqrt
 from passo.options.step_program import motion as marks
+from passo.options.step_program.commands import (
+    STEPS_ASK, STEPS_CONTINUE, STEPS_DEFAULT, STEPS_FASTEST, STEPS_HAND_DRIVES, STEPS_HAND_TOOL, STEPS_JOG, STEPS_PACE, STEPS_PASSES, STEPS_RETURN,
+    STEPS_SPEED, STEPS_STEP, STEPS_TOOL, STEPS_WAIT,
+)  # fmt: skip
+from passo.options.step_program.errors import DRIVES_OFF as SWITCHED_OFF, NO_STEP_PROGRAM, PASSES, RETURN_OR_CONTINUE, STEP_PROGRAM_FULL
 from passo.options.step_program.motion import StepProgram
 from passo.options.step_program.motion_walker import StepProgramWalker
 from passo.records import COUNT_MASK, ENDLESS
@@ -35,9 +40,9 @@ HAND = const(2)  # manual moves
 RETURN = const(3)  # the way back of the manual moves
 
 _KINDS = {
-    commands.STEPS_WAIT: marks.DWELL,
-    commands.STEPS_TOOL: marks.TOOL,
-    commands.STEPS_SPEED: marks.SPEED,
+    STEPS_WAIT: marks.DWELL,
+    STEPS_TOOL: marks.TOOL,
+    STEPS_SPEED: marks.SPEED,
 }
 
 
@@ -147,7 +152,7 @@ class StepProgramOrders(Feature):
         """Add the items in `target`. Returns the number of an error, LATER, or 0."""
         program = self.program
         if not program.open:
-            return errors.NO_STEP_PROGRAM
+            return NO_STEP_PROGRAM
         items = command.target
         ahead = (program.end - self._walker.cell) & COUNT_MASK
         if self._streaming and ahead + 2 * len(items) + 2 > program.size // 2:  # the other half of the window is kept for the way back
@@ -156,7 +161,7 @@ class StepProgramOrders(Feature):
         while at < len(items):
             if not self._append_item(items[at]):
                 self._reset_program()
-                return errors.STEP_PROGRAM_FULL
+                return STEP_PROGRAM_FULL
             at = program.extend(items, at + 1)
         if self._streaming:
             if not self._is_reachable():
@@ -173,16 +178,16 @@ class StepProgramOrders(Feature):
         kind = item >> 4 & 15
         value = item >> 8
         if kind in _KINDS:
-            if kind == commands.STEPS_TOOL and self._dry_run:
+            if kind == STEPS_TOOL and self._dry_run:
                 value = 0
-            if kind == commands.STEPS_SPEED:
+            if kind == STEPS_SPEED:
                 value = min(value, self.fastest)
             return self.program.append(marks.make_mark(_KINDS[kind], value))
-        if kind == commands.STEPS_FASTEST:
+        if kind == STEPS_FASTEST:
             return self.program.append(marks.make_mark(marks.SPEED, self.fastest))
-        if kind == commands.STEPS_DEFAULT:
+        if kind == STEPS_DEFAULT:
             return self.program.append(marks.make_mark(marks.SPEED, self._default))
-        station = ASK if kind == commands.STEPS_ASK else value
+        station = ASK if kind == STEPS_ASK else value
         self._powers = self._powers or station == DRIVES_ON
         return self.program.append(marks.make_mark(marks.STATION, station))
 
@@ -221,7 +226,7 @@ class StepProgramOrders(Feature):
     def _close_program(self, command):
         """Close the program: it is complete. Returns the number of an error, or 0."""
         if not self.program.open:
-            return errors.NO_STEP_PROGRAM
+            return NO_STEP_PROGRAM
         self.program.expect_more(False)
         if self._streaming and not self.owns_axes():
             self._streaming = False
@@ -241,22 +246,22 @@ class StepProgramOrders(Feature):
         self._follow_settings()
         if self._mode == IDLE and not self._queue.still():
             return errors.BUSY
-        if verb == commands.STEPS_PACE:
+        if verb == STEPS_PACE:
             return self._set_pace(command)
-        if verb == commands.STEPS_PASSES:
+        if verb == STEPS_PASSES:
             return self._set_passes(command)
         refusal = self._machine.unready()
         if refusal:
             return refusal
-        if verb == commands.STEPS_JOG:
+        if verb == STEPS_JOG:
             return self._do_jog(command)
-        if verb in (commands.STEPS_HAND_TOOL, commands.STEPS_HAND_DRIVES):
+        if verb in (STEPS_HAND_TOOL, STEPS_HAND_DRIVES):
             return self._switch_by_hand(command)
         if self.program.open and not self._streaming or not self.program.total:
-            return errors.NO_STEP_PROGRAM
-        if verb == commands.STEPS_RETURN:
+            return NO_STEP_PROGRAM
+        if verb == STEPS_RETURN:
             return self._do_return(command)
-        if verb == commands.STEPS_CONTINUE and self._mode == RUN:
+        if verb == STEPS_CONTINUE and self._mode == RUN:
             return errors.BUSY
         return self._do_go(command)
 
@@ -265,18 +270,18 @@ class StepProgramOrders(Feature):
         0."""
         if self._mode == RETURN:
             return errors.BUSY
-        if self._has_moved_by_hand() and command.value != commands.STEPS_CONTINUE:
-            return errors.RETURN_OR_CONTINUE
+        if self._has_moved_by_hand() and command.value != STEPS_CONTINUE:
+            return RETURN_OR_CONTINUE
         if (self._streaming or self.program.start) and command.power > 1:
-            return errors.NO_STEP_PROGRAM
+            return NO_STEP_PROGRAM
         if command.power > MOST_PASSES:
-            return errors.PASSES
+            return PASSES
         backward = command.tool
-        most = 1 if command.value == commands.STEPS_STEP else ENDLESS
+        most = 1 if command.value == STEPS_STEP else ENDLESS
         if self._mode == IDLE and not self._midway and not self._streaming:
             if not backward and self._walker.at_end():
                 if self.program.start:
-                    return errors.NO_STEP_PROGRAM  # its beginning was streamed and is forgotten
+                    return NO_STEP_PROGRAM  # its beginning was streamed and is forgotten
                 self._walker.go_to_start()
             if self._walker.at_start() and not self.program.start:
                 self._origin = self._queue.target[:]
@@ -315,9 +320,9 @@ class StepProgramOrders(Feature):
         if self._mode in (RUN, RETURN):
             return errors.BUSY
         if not self._midway:
-            return errors.NO_STEP_PROGRAM
+            return NO_STEP_PROGRAM
         if self._barred:
-            return errors.DRIVES_OFF
+            return SWITCHED_OFF
         backward = command.tool
         self._command = command
         self._at_stand(lambda: self._go_back(backward))
@@ -337,7 +342,7 @@ class StepProgramOrders(Feature):
         if self._mode not in (IDLE, HAND) or self._is_pausing() and self._mode == HAND or machine.state not in ("idle", "run", "hold"):
             return errors.BUSY
         if self._barred:
-            return errors.DRIVES_OFF
+            return SWITCHED_OFF
         if self._mode == IDLE and not self._midway:
             self._forget_moves()
         queue = self._queue
@@ -350,7 +355,7 @@ class StepProgramOrders(Feature):
         for axis in range(len(command.target)):
             steps = command.target[axis]
             if steps and not self._manual.append(marks.run(1 << axis, (steps < 0) << axis, abs(steps))):
-                return errors.STEP_PROGRAM_FULL
+                return STEP_PROGRAM_FULL
         queue.lead(position)
         if self._mode == IDLE:
             self._at_stand(self._walk_by_hand)
@@ -366,7 +371,7 @@ class StepProgramOrders(Feature):
         """Switch the tool or the drives at a stand. Returns the number of an error, or 0."""
         if self._mode != IDLE:
             return errors.BUSY
-        if command.value == commands.STEPS_HAND_DRIVES:
+        if command.value == STEPS_HAND_DRIVES:
             self._set_drives(command.tool)
             self._barred = not command.tool
         else:
@@ -390,8 +395,8 @@ class StepProgramOrders(Feature):
     def _set_passes(self, command):
         """Do STEPS_PASSES: `power` passes. Returns the number of an error, or 0."""
         if not 1 <= command.power <= MOST_PASSES:
-            return errors.PASSES
+            return PASSES
         if (self._streaming or self.program.start) and command.power > 1:
-            return errors.NO_STEP_PROGRAM
+            return NO_STEP_PROGRAM
         self._passes = command.power
         return self._machine.confirm_command(command)

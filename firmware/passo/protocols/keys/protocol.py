@@ -17,7 +17,8 @@ A speed whose second byte does not come within 2 s is dropped, so that no later 
 from micropython import const
 
 from passo import errors
-from passo.commands import BAD, FOREVER, LIVE, REST, STATUS, Command, Run
+from passo.commands import BAD, STATUS, Command
+from passo.options.independent.commands import FOREVER, LIVE, Rest, Run
 from passo.protocols.keys.kit import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
 from passo.protocols.setting_lines import teach_lines
 from passo.protocols.typed_words import TypedWords
@@ -75,7 +76,7 @@ class Keys:
         if byte in ON:
             return self._run_motors(self._turning_mask() | ON[byte], ON[byte])
         if byte in OFF:
-            command = Command(REST, value=OFF[byte])
+            command = Rest(OFF[byte])
             command.unpowered = self._mask_without(self._turning_mask() & ~OFF[byte])
             return command
         if byte in REVERSE:

@@ -10,13 +10,16 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.page.page_machine import PageMachine
+from passo.options.step_program.commands import (
+    STEPS_CONTINUE, STEPS_GO, STEPS_HAND_DRIVES, STEPS_HAND_TOOL, STEPS_JOG, STEPS_PACE, STEPS_RETURN, STEPS_STEP, STEP_PROGRAM,
+)  # fmt: skip
 from passo.protocols.page.orders import number_field
+from passo.protocols.page.page_machine import PageMachine
 
 _MOST_STEPS = const(999_999)  # of one axis in one jog
 _FASTEST = const(900_000)  # mm/min
-_PLAYS = {"run": commands.STEPS_GO, "step": commands.STEPS_STEP, "return": commands.STEPS_RETURN, "continue": commands.STEPS_CONTINUE}
-_HANDS = {"tool": commands.STEPS_HAND_TOOL, "drives": commands.STEPS_HAND_DRIVES}
+_PLAYS = {"run": STEPS_GO, "step": STEPS_STEP, "return": STEPS_RETURN, "continue": STEPS_CONTINUE}
+_HANDS = {"tool": STEPS_HAND_TOOL, "drives": STEPS_HAND_DRIVES}
 
 
 def can_of(board, more=()):
@@ -90,7 +93,7 @@ class PulsesPage(PageMachine):
             return errors.TRAVEL
         if [part for part in steps if part]:
             self._cut = self._releasing = False
-        return self.queue_command(Command(commands.STEP_PROGRAM, steps, commands.STEPS_JOG), answered)
+        return self.queue_command(Command(STEP_PROGRAM, steps, STEPS_JOG), answered)
 
     def _hold_released(self, error):
         """A machine says that it holds some steps before it stands, and is busy until then: ask again behind its next report."""
@@ -165,7 +168,7 @@ class PulsesPage(PageMachine):
         verb, _, back = ("run_back" if what == "back" else what).partition("_")
         if verb not in _PLAYS or back not in ("", "back"):
             return errors.UNKNOWN_COMMAND
-        return self.queue_command(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._take_play_answer)
+        return self.queue_command(Command(STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._take_play_answer)
 
     def _take_play_answer(self, error):
         self._playing = self._playing or not error
@@ -173,7 +176,7 @@ class PulsesPage(PageMachine):
 
     def _set_pace(self, order):
         """Set the speed in mm/min, until the file's next speed. Returns 0 or an error. Raises Wrong."""
-        command = Command(commands.STEP_PROGRAM, None, commands.STEPS_PACE)
+        command = Command(STEP_PROGRAM, None, STEPS_PACE)
         command.feed = int(number_field(order, "speed", 1, _FASTEST))
         return self.refusal() or self.queue_command(command)
 
@@ -184,4 +187,4 @@ class PulsesPage(PageMachine):
             return errors.NUMBER
         if what == "motors":
             return self.busy_error() or self.queue_command(Command(commands.CONNECT, value=1 if on == "on" else 0))
-        return self.busy_error() or self.queue_command(Command(commands.STEP_PROGRAM, None, _HANDS[what], on == "on"))
+        return self.busy_error() or self.queue_command(Command(STEP_PROGRAM, None, _HANDS[what], on == "on"))

@@ -9,10 +9,11 @@ of the steps asked for, 100 ms or one jog.
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import AS_JOG, AT_REST, Command, Motion, Run
-from passo.protocols.page.page_machine import PageMachine
+from passo.commands import STILL, Command, Motion
+from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, ZERO, Run
 from passo.protocols.page.lease import ms_since
 from passo.protocols.page.orders import Wrong, number_field, positions_field, text_field
+from passo.protocols.page.page_machine import PageMachine
 
 REPEAT_MS = const(40)  # between two jogs of one that is held
 _MOST_JOG_MM = 100.0
@@ -144,7 +145,7 @@ class TorchPage(PageMachine):
 
     def _run_axes(self, steps, speeds, when, answered=None):
         """Queue a motion of `steps` at steps/s `speeds` of each axis; `when`: AT_REST or AS_JOG. Returns 0 or an error."""
-        error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
+        error = 0 if max([abs(part) for part in steps]) < FOREVER else errors.TRAVEL
         return error or self.queue_command(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
 
     def _run_straight(self, steps, speed):
@@ -176,7 +177,7 @@ class TorchPage(PageMachine):
         if error:
             return error
         said = [Command(commands.SETTING, _X_SCALE + axis, round(1000 * scale[axis])) for axis in range(2) if scale[axis] != self.scale[axis]]
-        self._send_preferences(said + [Command(commands.STILL, value=found)], scale, found)
+        self._send_preferences(said + [Command(STILL, value=found)], scale, found)
         return 0
 
     def _send_preferences(self, said, scale, found):
@@ -199,12 +200,12 @@ class TorchPage(PageMachine):
         return preferences_message(self._jogs, self._speeds, self.scale)
 
     def _set_origin(self, order):
-        return self.refusal() or self.busy_error() or self.queue_command(Command(commands.ZERO))
+        return self.refusal() or self.busy_error() or self.queue_command(Command(ZERO))
 
     def _weave_seam(self, order):
         """Queue a seam, see seam_of(). Returns 0 or an error. Raises Wrong."""
         spec, to, speed, centre = seam_of(order, self.scale)
-        if max([abs(part) for part in to + centre]) >= commands.FOREVER:
+        if max([abs(part) for part in to + centre]) >= FOREVER:
             return errors.TRAVEL
         command = Motion(commands.SEAM, to)
         command.value = spec

@@ -7,12 +7,13 @@ from passo.protocols.setting_lines import teach_lines
 from passo.protocols.words import Words
 
 NEEDS = ("pauses",)
+WANTS = "step_program"  # the option whose key the board file has to have
 _LEAST_STEPS_M = 100  # as the manifest of step_program has it
 
 
 def check(board):
     """Return None, or the reason why the board cannot speak pulses."""
-    return None if board.get("step_program") else "pulses wants the section step_program"
+    return None if board.get(WANTS) else "pulses wants the section %s" % WANTS
 
 
 def settings(board, table):
@@ -24,6 +25,6 @@ def settings(board, table):
 
 def create(link, number, board, controller, shared, most):
     """Return the Pulses of a link."""
-    pulses = Pulses("".join([axis["name"] for axis in board["axes"]]), board["step_program"])
+    pulses = Pulses("".join([axis["name"] for axis in board["axes"]]), board[WANTS])
     teach_lines(Words.words_of(pulses))
     return extend_language(pulses, board, "pulses")

@@ -6,7 +6,7 @@
     $ @       the fastest speed, the board file's
 """
 
-from passo.commands import STEPS_DEFAULT, STEPS_DRIVES, STEPS_FASTEST, STEPS_TOOL
+from passo.options.step_program.commands import STEPS_DEFAULT, STEPS_DRIVES, STEPS_FASTEST, STEPS_TOOL
 
 WAIT_MS = (0, 3_600_000)
 SPEED_MM_MIN = (0, 900_000)

@@ -3,11 +3,11 @@
     parse_control(["jog", "x", "100"], "xyz")   # a Command; BAD where there is no such command
 """
 
-from passo import errors
-from passo.commands import (
-    BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, STEP_PROGRAM, STEPS_CONTINUE, STEPS_GO, STEPS_HAND_DRIVES, STEPS_HAND_TOOL,
-    STEPS_JOG, STEPS_PACE, STEPS_PASSES, STEPS_RETURN, STEPS_STEP, UNLOCK, Command,
+from passo.commands import BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, UNLOCK, Command
+from passo.options.step_program.commands import (
+    STEPS_CONTINUE, STEPS_GO, STEPS_HAND_DRIVES, STEPS_HAND_TOOL, STEPS_JOG, STEPS_PACE, STEPS_PASSES, STEPS_RETURN, STEPS_STEP, STEP_PROGRAM,
 )  # fmt: skip
+from passo.options.step_program.errors import PASSES
 from passo.protocols.pulses.errors import NO_CONTROL
 
 _PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK, "log": STATUS}
@@ -53,7 +53,7 @@ def _verb_command(verb, said, value, alone):
     elif value >= 0 and verb in ("run", "repeat"):
         command.power = value
         if not value:
-            return Command(BAD, error=errors.PASSES)
+            return Command(BAD, error=PASSES)
     elif not alone or verb == "repeat":
         return None
     return command

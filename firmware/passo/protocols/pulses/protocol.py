@@ -37,10 +37,11 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import (
-    ACCEPTED, ALARM, BAD, DROPPED, FINISHED, NOTICE, RESTARTED, STATUS, STOP, STEP_PROGRAM, STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_ASK, STEPS_CLOSE,
-    STEPS_ITEMS, STEPS_OPEN, STEPS_SPEED, STEPS_WAIT, Command,
+from passo.commands import ACCEPTED, ALARM, BAD, DROPPED, FINISHED, NOTICE, RESTARTED, STATUS, STOP, Command
+from passo.options.step_program.commands import (
+    STEPS_ABORT, STEPS_ASK, STEPS_CLOSE, STEPS_ITEMS, STEPS_OPEN, STEPS_SPEED, STEPS_WAIT, STEP_PROGRAM, STEP_PROGRAM_ADD,
 )  # fmt: skip
+from passo.options.step_program.errors import NO_STEP_PROGRAM
 from passo.protocols.pulses.codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
 from passo.protocols.pulses.control import whole_number, parse_control
 from passo.protocols.pulses.errors import CUT_OFF, NO_CODE, NO_CONTROL, NUMBER_MISSING
@@ -319,7 +320,7 @@ class Pulses:
         elif verb == "end" and len(words) == 1:
             if self._mode not in (_LOAD, _STREAM):
                 self._mode = min(self._mode, _DROP)
-                return Command(BAD, error=errors.NO_STEP_PROGRAM)
+                return Command(BAD, error=NO_STEP_PROGRAM)
             self._close_file(found)
             return None
         command = self.words.line_command(verb) if self.words and verb[:1] == "$" else parse_control(words, self._axes)
