@@ -44,7 +44,8 @@ SLEEP = const(26)  # everything off until RESET
 # Of the link.
 SYNC = const(27)  # an answer only, once everything before it has ended
 HAND_OVER = const(28)  # `value`: the link that may command from now on, the board file's first is 1; 0: this one
-# Of the controller of the motors.
+# Axes on their own, and the controller of the motors.
+RUN = const(29)  # axes run on their own from now on: see Run
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 # Settings.
 STILL = const(33)  # accepted at a stand, else refused as BUSY; `value`: (steps, steps/s) of a jog of each axis, which are kept, or 0

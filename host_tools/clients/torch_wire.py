@@ -9,8 +9,8 @@ import struct
 
 from host_tools.clients.answers import answer_of, is_complete, setting_line
 from passo import commands, errors
-from passo.commands import ACCEPTED, REFUSED, STILL, Event
-from passo.options.independent.commands import AS_JOG, RUN, ZERO
+from passo.commands import ACCEPTED, REFUSED, RUN, STILL, Event
+from passo.options.independent.commands import AS_JOG, ZERO
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import line_of
 

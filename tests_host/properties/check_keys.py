@@ -4,10 +4,10 @@ from boards.two_motor_kit import BOARD
 from check_control import copy
 from passo import errors
 from passo.app import App
-from passo.commands import BAD
+from passo.commands import BAD, RUN
 from passo.config.boardfile import BoardError, check
 from passo.control.motors import RELEASED
-from passo.options.independent.commands import FOREVER, REST, RUN
+from passo.options.independent.commands import FOREVER, REST
 from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.keys import protocol as keys
 from passo.protocols.keys.kit import KIT_SLOWEST, KIT_STEP_MS

@@ -2,8 +2,8 @@
 
 from free_machine import FreeMachine, Jogs
 from passo import errors
-from passo.commands import ACCEPTED, BAD, CONNECT, FINISHED, REFUSED, RESET, STATUS, STILL, STOP, UNLOCK, Event
-from passo.options.independent.commands import AS_JOG, AT_REST, RUN, ZERO
+from passo.commands import ACCEPTED, BAD, CONNECT, FINISHED, REFUSED, RESET, RUN, STATUS, STILL, STOP, UNLOCK, Event
+from passo.options.independent.commands import AS_JOG, AT_REST, ZERO
 from passo.protocols.torch import protocol as torch
 from passo.protocols.torch.frames import QUESTIONS
 from passo.protocols.torch.protocol import Torch

@@ -9,7 +9,7 @@ Runs under CPython and MicroPython.
 """
 
 from passo.app import App
-from passo.commands import STOP, Command
+from passo.commands import RUN, STOP, Command
 from passo.config.boardfile import check
 from passo.machine_builder import make_drive
 from passo.options.independent.commands import AT_REST, Run

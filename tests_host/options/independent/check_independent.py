@@ -2,7 +2,7 @@
 
 from free_machine import FreeMachine
 from passo import errors
-from passo.commands import STATUS, Command
+from passo.commands import RUN, STATUS, Command
 from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, LIVE, ZERO, Rest
 from passo.options.independent.errors import ZERO_IS_HOMED
 

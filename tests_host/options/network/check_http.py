@@ -4,8 +4,8 @@ import hashlib
 
 from free_machine import FreeMachine, Jogs
 from passo import errors
-from passo.commands import BAD, CONNECT, HAND_OVER, SETTING, STATUS, STILL, STOP
-from passo.options.independent.commands import RUN, ZERO
+from passo.commands import BAD, CONNECT, HAND_OVER, RUN, SETTING, STATUS, STILL, STOP
+from passo.options.independent.commands import ZERO
 from passo.ports.virtual import MemoryLine
 from passo.protocols.torch import forms
 from passo.records import REQUEST_PROVEN

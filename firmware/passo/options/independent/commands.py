@@ -2,9 +2,8 @@
 
 from micropython import const
 
-from passo.commands import Command
+from passo.commands import RUN, Command
 
-RUN = const(29)  # axes run on their own from now on: see Run
 REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Rest
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 

@@ -14,12 +14,12 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import FINISHED, STILL, Event
+from passo.commands import FINISHED, RUN, STILL, Event
 from passo.config import setting_numbers as table
 from passo.control.feature import WORK_GONE, Feature
 from passo.control.links import HARMLESS, RIGHTS
 from passo.errors import LATER
-from passo.options.independent.commands import AS_JOG, FOREVER, LIVE, REST, RUN, ZERO
+from passo.options.independent.commands import AS_JOG, FOREVER, LIVE, REST, ZERO
 from passo.options.independent.errors import ZERO_IS_HOMED
 from passo.options.independent.motion import IndependentAxes
 from passo.options.independent.motion_viper import MOST_STEPS

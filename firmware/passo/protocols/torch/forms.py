@@ -13,8 +13,7 @@ for that.
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, SETTING, STATUS, STATUS_WORDS, STILL, STOP, Command
-from passo.options.independent.commands import RUN
+from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, SETTING, STATUS, STATUS_WORDS, STILL, STOP, Command
 from passo.protocols.setting_lines import decimal_text
 from passo.protocols.torch.protocol import CODES, Torch, configure, frame, move
 from passo.records import REQUEST_JSON, REQUEST_PROVEN

@@ -23,8 +23,8 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, ADMIT, BAD, CONNECT, FINISHED, HAND_OVER, REFUSED, RESET, SEAM, STATUS, STILL, STOP, UNLOCK, Command, Motion
-from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, RUN, ZERO, Run
+from passo.commands import ACCEPTED, ADMIT, BAD, CONNECT, FINISHED, HAND_OVER, REFUSED, RESET, RUN, SEAM, STATUS, STILL, STOP, UNLOCK, Command, Motion
+from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, ZERO, Run
 from passo.protocols.setting_lines import teach_lines
 from passo.protocols.torch.frames import END, Cutter
 from passo.protocols.typed_words import TypedWords
