@@ -93,7 +93,7 @@ def test_words_for_the_motors():
 def test_the_first_motion_takes_the_motors_where_the_board_file_says_so(language):
     """Break before make: no step comes before the relays have closed and the time for it has passed once more."""
     machine = machine_of(language, changeover_by="motion")
-    assert not machine.app.controller.machine.detached
+    assert not machine.app.controller.machine.motors.detached
     steps = [moved(machine, data)[0] for data in MOTION[language]]
     assert any(step != [0, 0] for step in steps)
     controller = machine.app.controller

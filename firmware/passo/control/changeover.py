@@ -77,7 +77,7 @@ class Changeover(Feature):
     def _begin_switch(self, ours):
         """Release all relays; poll() closes those wanted, changeover_ms later. Not `ours`: the position is lost."""
         self.ours = ours
-        self._machine.detached = self._relays and not ours and not self._by_motion
+        self._machine.motors.detached = self._relays and not ours and not self._by_motion
         if self._relays and not ours:
             self._machine.lose_position()
         self._made = False

@@ -95,7 +95,7 @@ class Homing(Feature):
             return errors.LOCKED
         if machine.inputs.door_open():
             return errors.DOOR_OPEN
-        if machine.detached:
+        if machine.motors.detached:
             return errors.NO_MOTORS
         if command.value & ~self._all or command.power and not self._quality:
             return errors.NO_HOMING

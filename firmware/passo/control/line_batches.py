@@ -128,7 +128,7 @@ class LineBatches(Feature):
         machine = self._machine
         if (
             machine.commander != batch.link or machine.command is not None or machine.alarm or machine.sleeping or machine.checking
-            or machine.detached or machine.cautious and not machine.homed or machine.jogging or machine.drawing or machine.dropping or machine.actives and machine.axes_are_owned()
+            or machine.motors.detached or machine.cautious and not machine.homed or machine.jogging or machine.drawing or machine.dropping or machine.actives and machine.axes_are_owned()
             or not self._planner.ready or machine.veto is not None and machine.veto.denied
         ):  # fmt: skip
             return False

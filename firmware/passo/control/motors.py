@@ -25,6 +25,7 @@ class Motors:
         self._enable_inverted = enable_inverted
         self._keep = False  # the current stays on until it is switched off: see drives()
         self._without = False  # see unpower()
+        self.detached = False  # they are another controller's, and no motion takes them
         self._board = board  # its idle_release_ms may change
         self._since_ms = 0
         self.state = RELEASED

@@ -139,7 +139,7 @@ class Program(LineBatches):
     def _accept_jog(self, command):
         """Queue JOG_TO. Returns 0, LATER, BUSY, or JOG_TRAVEL, which is no alarm."""
         machine = self._machine
-        if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.axes_are_owned():
+        if machine.state not in ("idle", "jog") or machine.motors.detached or machine.dropping or machine.actives and machine.axes_are_owned():
             error = self._motion_error(command) or self._length_error(command)
             return error if error and error != LATER else LATER if machine.dropping else errors.BUSY
         if not machine.jogging:
@@ -188,7 +188,7 @@ class Program(LineBatches):
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
-        if machine.detached and not machine.checking:
+        if machine.motors.detached and not machine.checking:
             return errors.NO_MOTORS
         if machine.command is not None or machine.drawing or machine.dropping or machine.actives and machine.axes_are_owned():
             return LATER

@@ -46,7 +46,6 @@ class MachineState:
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False  # everything is off until RESET
-        self.detached = False  # the motors are another controller's, and no motion takes them
         self.command = None  # the long command under way, see begin()
         self.poll = None  # poll(now_ms): goes on with it, once a cycle; None: nothing has to
         self.hold = ""  # "hold" or "door" while the machine is held, or on its way to its stand
@@ -143,7 +142,7 @@ class MachineState:
         """Return 0, or the error that forbids all motion now: LOCKED, NO_MOTORS or NOT_HOMED."""
         if self.alarm or self.sleeping:
             return errors.LOCKED
-        if self.detached:
+        if self.motors.detached:
             return errors.NO_MOTORS
         return errors.NOT_HOMED if self._homing_first and not self.homed else 0
 
@@ -354,7 +353,7 @@ class MachineState:
         self.alarm = number
         self.note(number, who)
         self.events.append(Event(ALARM, None, number))
-        if self.needs_reset():
+        if manner & errors.NEEDS_RESET:
             self.notice(errors.NOTICE_RESET_TO_CONTINUE)
         if command is not None:
             self.events.append(Event(REFUSED, command, errors.LOCKED))

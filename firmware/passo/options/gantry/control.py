@@ -98,7 +98,7 @@ class GantryWatch(Feature):
             return
         machine = self._machine
         queue = self._queue
-        if machine.alarm or machine.busy_with(commands.HOME) or machine.detached or machine.motors.state == RELEASED:
+        if machine.alarm or machine.busy_with(commands.HOME) or machine.motors.detached or machine.motors.state == RELEASED:
             self.halt()
             self._note_stand(now_ms)
             if machine.busy_with(commands.HOME) and (not machine.command.value or machine.command.value >> self._axis & 1):
