@@ -1,6 +1,6 @@
 """A plug-in of pytest for a copy without an option (without.py): tests that ask for it at run time go with it.
 
-PASSO_GONE has the names of the options, languages, boards and pages removed. A test asks for one if it, or a program that it starts, loads a board file with the
+PASSO_GONE has the names of the options, languages, boards, tools and pages removed. A test asks for one if it, or a program that it starts, loads a board file with the
 option's key, or one of these boards, if it reads one of these pages, or if a file of tests_host imports the module. It is skipped: "goes with parking". An import of such a module by any
 other file is a fault.
 """
@@ -33,6 +33,8 @@ def asked_for(error):
 
 def _names_in(error):
     """Return the names that an error may be about, as GONE has them."""
+    if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("host_tools."):
+        return {error.name}
     if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("passo."):
         return {error.name.split(".")[2]} if error.name.count(".") > 1 and _TESTS in _importer(error).parts else set()
     if isinstance(error, FileNotFoundError):

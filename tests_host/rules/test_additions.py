@@ -52,6 +52,14 @@ def run(copy, *arguments):
 
 
 @pytest.mark.quick
+def test_the_map_names_every_folder():
+    text = TEXT.partition("## Map of the house\n")[2].partition("\n## ")[0]
+    folders = [*ROOT.glob("*/__init__.py"), *(ROOT / "host_tools").glob("*/__init__.py"), *(ROOT / "firmware" / "passo").glob("*/__init__.py")]
+    missing = {path.parent.name for path in folders} - set(re.findall(r"(\w+)/", text))
+    assert not missing and len(folders) > 20
+
+
+@pytest.mark.quick
 def test_each_touches_its_own_folders_only():
     assert list(ADDITIONS) == ["An option", "A language", "A coil drive", "A sensor that pauses", "A setting with a status field"]
     for heading, files in ADDITIONS.items():

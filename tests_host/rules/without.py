@@ -3,8 +3,8 @@
     python tests_host/rules/without.py parking /tmp/copy            # prints all that goes with it
     python tests_host/rules/without.py parking /tmp/copy --run      # and runs the tests of `make check` there
 
-With an option go its folder, options that share its files, and languages that ask for it. Boards go if their files ask for one of these. Tests go that lie in
-folders of these names, import them, or load such a board (goes_with.py). Pages go that describe the option or have commands for such a board; links to them
+With an option go its folder, options that share its files, and languages that ask for it. Boards go if their files ask for one of these, and modules
+of host_tools that import them as they are loaded. Tests go that lie in folders of these names, import them, or load such a board (goes_with.py). Pages go that describe the option or have commands for such a board; links to them
 become plain text. Goldens have the rows of the other boards, and docs/reference is made anew.
 """
 
@@ -62,10 +62,12 @@ def boards_with(gone, languages):
 # --- tests
 
 
-@functools.lru_cache(maxsize=1)
-def _test_files():
-    """Return {name of a module of tests_host: (path, names of the modules that it imports as it is loaded)}."""
-    return {path.stem: (path, _loaded(path.read_text(encoding="utf-8"))) for path in folders.TESTS.rglob("*.py") if path.name != "__init__.py"}
+@functools.lru_cache(maxsize=2)
+def _modules(folder):
+    """Return {name of a module: (path, names of the modules that it imports as it is loaded)} of tests_host, whose names are bare, or of host_tools."""
+    bare = folder == folders.TESTS
+    paths = [path for path in folder.rglob("*.py") if path.name != "__init__.py"]
+    return {path.stem if bare else ".".join(path.relative_to(ROOT).with_suffix("").parts): (path, _loaded(path.read_text(encoding="utf-8"))) for path in paths}
 
 
 def _loaded(text):
@@ -82,15 +84,15 @@ def _loaded(text):
     return found
 
 
-def tests_with(modules):
-    """Return the paths of the files of tests_host that import one of these modules, or a file that does."""
-    files, found = _test_files(), set()
+def users_of(modules, folder):
+    """Return {name: path} of the modules of a folder that import one of `modules` as they are loaded, or another such module."""
+    files, found = _modules(folder), {}
     starts = tuple(name + "." for name in modules)
     more = {name for name, (_, loaded) in files.items() if any(each in modules or each.startswith(starts) for each in loaded)}
     while more:
-        found |= more
-        more = {name for name, (_, loaded) in files.items() if loaded & found} - found
-    return {files[name][0] for name in found}
+        found |= {name: files[name][0] for name in more}
+        more = {name for name, (_, loaded) in files.items() if loaded & found.keys()} - found.keys()
+    return found
 
 
 # --- pages
@@ -149,17 +151,19 @@ def _is_left(name, folder, copy):
 
 
 def make(name, copy):
-    """Make the copy in a new folder. Returns {kind: names} of the options, languages, boards, tests and pages removed."""
+    """Make the copy in a new folder. Returns {kind: names} of the options, languages, boards, modules of tools, tests and pages removed."""
     gone, languages = parts(name)
     lost = boards_with(gone, languages)
     modules = {f"passo.options.{each}" for each in gone} | {f"passo.protocols.{each}" for each in languages} | {f"boards.{each}" for each in lost}
     own = {path for each in gone | languages for room in ("options", "protocols") for path in (folders.TESTS / room / each).glob("*.*")}
-    tests, pages = own | tests_with(modules), pages_with(gone, languages, lost)
+    tools = users_of(modules, ROOT / "host_tools")
+    tests = own | set(users_of(modules | set(tools) | {path.stem for path in own if path.suffix == ".py"}, folders.TESTS).values())
+    pages = pages_with(gone, languages, lost)
     files = [FIRMWARE / tree.OPTIONS / each for each in gone] + [LANGUAGES / each for each in languages]
     files += [path for each in languages for path in [*(FIRMWARE / tree.OPTIONS).glob(f"*/language_{each}.py"), *LANGUAGES.glob(f"page/{each}.py")]]
     files += [path for each in lost for path in [boards.path(each), *(ROOT / "docs").rglob(f"{each}.svg")]]
     shutil.copytree(ROOT, copy, ignore=_needless)
-    for path in {*files, *tests, *pages}:
+    for path in {*files, *tools.values(), *tests, *pages}:
         left = copy / path.relative_to(ROOT)
         shutil.rmtree(left) if path.is_dir() else left.unlink()
     for folder in (copy / "tests_host").glob("*/*"):
@@ -173,7 +177,7 @@ def make(name, copy):
     run(copy, copy / "host_tools" / "build" / "reference.py")
     _unlink(copy)
     names = {what: sorted(path.relative_to(ROOT).as_posix() for path in paths) for what, paths in (("tests", tests), ("pages", pages))}
-    return {"options": sorted(gone), "languages": sorted(languages), "boards": sorted(lost), **names}
+    return {"options": sorted(gone), "languages": sorted(languages), "boards": sorted(lost), "tools": sorted(tools), **names}
 
 
 def _leave_rows(golden, is_left):
@@ -223,7 +227,7 @@ def run_tests(copy, gone, *arguments):
     """Run pytest in a copy; `gone`: the result of make(). Returns (status, output)."""
     script = copy / "run.py"
     script.write_text(_RUN % str(copy / "tests_host" / "rules"), encoding="utf-8")
-    os.environ["PASSO_GONE"] = ",".join(gone["options"] + gone["languages"] + ["boards." + name for name in gone["boards"]] + gone["pages"])
+    os.environ["PASSO_GONE"] = ",".join(gone["options"] + gone["languages"] + ["boards." + name for name in gone["boards"]] + gone["tools"] + gone["pages"])
     try:
         return run(copy, script, "-q", "-p", "no:cacheprovider", "-p", "goes_with", *arguments, may_fail=True)
     finally:
