@@ -99,6 +99,7 @@ TEXTS = {
     errors.ALARM_SENSOR_DEAD: "homing: no sensor answered within the travel: check the sensor, and the direction ($23)",
     errors.ALARM_TWO_MOTORS: "homing: the second motor's switch did not answer: check it",
     errors.ALARM_HOMING_REQUIRED: "locked, because not every axis is homed: home the others, or unlock the machine",
+    errors.ALARM_INTERLOCK: "the interlock has stopped the machine: the log names the input; the position may be lost",
     errors.ALARM_SPINDLE_SPEED: "the spindle did not come to its speed, or lost it: check load, belt and inverter",
     errors.ALARM_HOST_LOST: "the host said nothing any more: its job was dropped at a stand; the position is kept",
     errors.ALARM_POWER: "the power fails: stopped, and the state of the job saved; passo resume goes on",

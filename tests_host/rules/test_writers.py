@@ -37,7 +37,7 @@ FACE = {
     # its properties
     "about", "arcs", "links", "settings", "steps_per_m",
     # its state and actions
-    "alarm", "blocks", "busy_with", "change_setting", "checking", "coolant", "homed", "log", "needs_reset", "overrides", "restore_settings", "state", "target",
+    "alarm", "blocks", "busy_with", "change_setting", "checking", "coolant", "homed", "log", "overrides", "restore_settings", "state", "target",
     # the link that commands, and the link for which a stored job runs
     "commander", "lender",
 }  # fmt: skip

@@ -13,12 +13,11 @@ from host_tools.programs.timeline import board_clock, draw_timeline, lines_of
 from host_tools.sim.blackbox import Replay
 from passo import errors
 from passo.config.boardfile import check
-from passo.options.interlock.errors import ALARM_INTERLOCK
 
 WHY = {"watchdog": "reset", "door_then_reset": "end", "crash": "end", "plotter_stop": "end"}
 ALARMS = {
     "limit": errors.ALARM_HARD_LIMIT, "emergency_stop": errors.ALARM_HARD_LIMIT, "starved_link": errors.ALARM_HOST_LOST,
-    "reset_amid_an_arc": errors.ALARM_RESET, "interlock": ALARM_INTERLOCK, "probe_missed": errors.ALARM_PROBE_MISSED,
+    "reset_amid_an_arc": errors.ALARM_RESET, "interlock": errors.ALARM_INTERLOCK, "probe_missed": errors.ALARM_PROBE_MISSED,
     "probe_touched_then_reset": errors.ALARM_RESET, "power_cut": errors.ALARM_POWER,
     "soft_limit": errors.ALARM_SOFT_LIMIT,
 }  # fmt: skip

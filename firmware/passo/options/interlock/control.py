@@ -8,7 +8,6 @@ themselves, if the board file asks for it; and keeps for each input when it last
 from passo import commands, errors
 from passo.commands import STATUS_WORDS
 from passo.control.feature import Feature
-from passo.options.interlock.errors import ALARM_INTERLOCK
 from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS
 from passo.records import COUNT_MASK
 
@@ -18,7 +17,6 @@ WORD = ("forbids", "Fb")  # inputs that forbid something now, in reports; an end
 class InterlockWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
-        errors.ALARMS[ALARM_INTERLOCK] = errors.KEEPS_CURRENT | errors.NEEDS_RESET
         if WORD not in STATUS_WORDS:
             STATUS_WORDS.append(WORD)
         self._port = machine.port
@@ -75,7 +73,7 @@ class InterlockWatch(Feature):
         """Raise an alarm if an input of the interlock has stopped the player; limits and inputs that halt have one of their own."""
         if name not in self._names or self._interlock.has_own_alarm(name):
             return False
-        self._machine.raise_alarm(ALARM_INTERLOCK, name)
+        self._machine.raise_alarm(errors.ALARM_INTERLOCK, name)
         return True
 
     def look(self, now_ms):
@@ -145,7 +143,7 @@ class InterlockWatch(Feature):
             if self._outputs[number] in self._vital:
                 machine.motors.release()
                 if machine.alarm in errors.WATCHED:
-                    machine.raise_alarm(ALARM_INTERLOCK, blamed)
+                    machine.raise_alarm(errors.ALARM_INTERLOCK, blamed)
                 machine.lose_position()
             else:
                 machine.note(errors.INTERLOCKED, blamed)

@@ -194,7 +194,7 @@ class GrblPage(PageMachine):
 
     def _reset_before(self, say):
         """Call `say()`, in an alarm that only a reset ends behind a reset. Returns 0 or an error."""
-        if not self._record.needs_reset():
+        if not errors.ALARMS.get(self._record.alarm, 0) & errors.NEEDS_RESET:
             return say()
         return self.queue_command(Command(commands.RESET), lambda error: say())
 
