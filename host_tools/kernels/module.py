@@ -136,17 +136,14 @@ def best_code(text, march, command, options):
     """Return the first code in which no word looks like a pointer; if there is none, the one that takes the least memory."""
     found = []
     for option in options:
-        moved, more = set(), set()
+        moved = set()
         for _round in range(ROUNDS):
-            code, elf = _link_twice(shift_functions(text, moved | more), [*command, *option.split()])
-            moved |= more
+            code, elf = _link_twice(shift_functions(text, moved), [*command, *option.split()])
             positions = pointer_positions(code, march)
             if not positions:
                 return code
             found.append((len(code) + KEEPS * len(positions), code))
-            more = functions_at(elf, 0, positions) - moved
-            if not more:
-                break
+            moved ^= functions_at(elf, 0, positions)  # one moved already is put back: those before it have moved it, too
     return min(found)[1]
 
 

@@ -77,7 +77,7 @@ FETCH = {
     "steps/feeder.py Feeder._fetch",
     "motion/planner.py Planner.next",
     "motion/row_viper.py take",
-    "motion/steady.py Steady.moving",
+    "motion/line.py Steady.moving",
     "motion/ramp.py Ramp.begin",
     "motion/line.py Line.load",
     "motion/speed_viper.py q_of",

@@ -5,7 +5,6 @@ from micropython import const
 from passo import commands, errors
 from passo.batch import POINT_BYTES, POINTS
 from passo.config import setting_numbers as table
-from passo.control.counted_job import CountedJob
 from passo.control.feature import HOMING, WORK_GONE, Feature
 from passo.control.point_buffer import PointBuffer
 from passo.errors import LATER
@@ -27,7 +26,12 @@ class Drawing(Feature):
         self.drawn = 0  # points of the object drawn so far
         self._travel_of = self._travel = None  # the settings' version that the farthest x and y are of
         self._taken = 0  # points taken from the buffer for this object
-        self._job = machine.job = CountedJob()
+        machine.job = self
+        self.kept = False  # the position has been counted without a break since a job was announced
+        self.counting = False  # commands queued now are of the job that the journal knows
+        self.announced = False  # a job is to begin
+        self.counted = 0  # points of the job before those that are drawn
+        self.write_progress = None  # write_progress(spot) puts where the job is into an array; None: blocks tell it
 
     @property
     def speed(self):
@@ -47,7 +51,7 @@ class Drawing(Feature):
         """Homing forgets the object, which refers to the old origin. After WORK_GONE the next work is of no job."""
         self.points.clear()
         if what & WORK_GONE:
-            self._job.counting = False
+            self.counting = False
 
     def halt(self):
         self.drawn = self.count_drawn()
@@ -92,9 +96,9 @@ class Drawing(Feature):
         machine = self._machine
         if not self.points.count and not machine.drawing:
             self._taken = self.drawn = 0
-            if self._job.announced:
-                self._job.counting = True
-                self._job.announced = False
+            if self.announced:
+                self.counting = True
+                self.announced = False
 
     # --- batches
 
@@ -186,7 +190,7 @@ class Drawing(Feature):
         while self.points.count and queue.room() >= _BLOCKS_A_POINT:
             x, y, tool = self.points.take()
             self._taken += 1
-            queue.line((x, y), self._line_ticks, tool, self._job.counted + self._taken)
+            queue.line((x, y), self._line_ticks, tool, self.counted + self._taken)
         if not self.points.count:
             if machine.command is not None and queue.room():
                 queue.lift()
@@ -197,7 +201,7 @@ class Drawing(Feature):
         machine = self._machine
         if still and not self.points.count and machine.busy_with(commands.DRAW):
             self.drawn = self._taken
-            self._job.counted += self._taken
+            self.counted += self._taken
             machine.drawing = False
             machine.finish(machine.report())
 
@@ -217,7 +221,7 @@ class Drawing(Feature):
         tag = planner.rows[row + ROW_TAG]
         if not tag:  # the pen goes up behind the last
             return self._taken
-        return max(tag - 1 - self._job.counted, self.drawn)
+        return max(tag - 1 - self.counted, self.drawn)
 
     def _line_ticks(self, deltas):
         """Return the duration of a line of `deltas` (steps) in ticks, at `speed`."""

@@ -27,10 +27,9 @@ from micropython import const
 
 from passo.memory import zeros
 from passo.motion.limits import MOST
-from passo.motion.line import Line
+from passo.motion.line import LONGEST_TICKS, Line, Steady, dominant, refuse
 from passo.motion.row_viper import close, room, take
 from passo.motion.speed_viper import q_of
-from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import *
 
 LOOK_AHEAD = const(64)

@@ -28,8 +28,8 @@ from array import array
 
 import micropython
 
+from passo.motion.line import Steady
 from passo.motion.ramp_viper import begin, cut
-from passo.motion.steady import Steady
 from passo.records import KIND_LINE, RAMP_FIELDS, ROW_GAIN
 
 

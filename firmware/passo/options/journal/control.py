@@ -79,7 +79,7 @@ class JobJournal(Feature):
         self._retired = queue.blocks_played()  # blocks, as seen last
         self._moving = False  # by a line of the job
         self._broken = False  # the queue has been dropped amid a line
-        self._counted = None  # a CountedJob, see handlers(); None: lines have numbers
+        self._counted = None  # machine.job, see handlers(); None: lines have numbers
         self._spot = array("i", [0] * (SPOT_AXES + self._axes))
         self._lead = self._times = 0  # as announced, of one that is counted
         self._back = False
@@ -192,7 +192,7 @@ class JobJournal(Feature):
 
     def _is_walking(self):
         """Return True if a step program plays."""
-        return self._counted is not None and self._counted.progress is not None
+        return self._counted is not None and self._counted.write_progress is not None
 
     def poll(self, now_ms):
         """Write records while a job runs, as often as every_ms, and at each stand; erase a block after REST_MS at rest."""
@@ -298,7 +298,7 @@ class JobJournal(Feature):
     def _write_spot(self):
         """Write where the step program is."""
         spot = self._spot
-        if not self._counted.progress(spot):
+        if not self._counted.write_progress(spot):
             return
         count = max(spot[SPOT_INDEX] - self._lead, 0)
         self._line = self._done - count if self._back else self._done + count

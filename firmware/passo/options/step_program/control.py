@@ -10,7 +10,6 @@ Manual moves at a pause are a step program of their own, which the automatic ret
 from micropython import const
 
 from passo.commands import FINISHED, Event
-from passo.control.counted_job import CountedJob
 from passo.control.feature import QUEUE_GONE, WORK_GONE
 from passo.control.links import NEVER_WAITS, OF_LENDER, RIGHTS
 from passo.options.step_program.commands import STEP_PROGRAM, STEP_PROGRAM_ADD
@@ -27,8 +26,8 @@ class StepProgramPlayer(StepProgramOrders):
         StepProgramOrders.__init__(self, board, machine, queue)
         self._drives = False  # as the program or the operator left them
         self._without = None  # the start of a walk for which no motor has current
-        machine.job = CountedJob()
-        machine.job.progress = self.write_progress
+        machine.job = self
+        self.kept = self.counting = self.announced = False  # for the journal, as drawing.py has them
         self._dropped = False  # at its stand, and not yet cleared
 
     def _clear_state(self):

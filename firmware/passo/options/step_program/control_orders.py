@@ -138,9 +138,8 @@ class StepProgramOrders(Feature):
         if machine.state != "idle" or not self._queue.still():
             return errors.BUSY
         self._follow_settings()
-        job = machine.job
-        job.counting = job.announced  # else it is not the program that the journal knows
-        job.announced = False
+        self.counting = self.announced  # else it is not the program that the journal knows
+        self.announced = False
         self._reset_program(command.tool)
         self._streaming = command.tool
         self.program.expect_more(True)
