@@ -71,7 +71,6 @@ COLD = (
     "passo/motion/ramp.py",
     "passo/motion/s_curve.py",
     "passo/motion/s_curve_block.py",
-    "passo/motion/steady.py",
     "passo/options/encoders/port.py",
     "passo/options/encoders/port_rp2.py",
     "passo/options/encoders/steps_viper.py",

@@ -205,8 +205,8 @@ def in_flash(function):
 def test_functions_run_from_flash(pico):
     pico.exec(BEGIN + WHERE)
     assert pico.exec("print(repr(code.why))") == "''\r\n"
-    pico.exec("from passo.motion import cordic, steady\ncode.finish()")
-    methods = "[each for each in [getattr(steady.Steady, name) for name in dir(steady.Steady)] if type(each) is type(in_flash)]"
+    pico.exec("from passo.motion import cordic, line\ncode.finish()")
+    methods = "[each for each in [getattr(line.Steady, name) for name in dir(line.Steady)] if type(each) is type(in_flash)]"
     assert eval(pico.exec(f"print([in_flash(each) for each in {methods}])")) and pico.exec("print(in_flash(in_flash))") == "False\r\n"
     assert "False" not in pico.exec(f"print([in_flash(each) for each in {FUNCTIONS}])")
     assert "code in flash" in pico.exec("print(code.text())")
