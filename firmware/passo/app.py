@@ -19,7 +19,6 @@ from passo.config.settings import Settings
 from passo.control.links import HARMLESS, NEVER_WAITS, RIGHTS
 from passo.control.motors import Motors
 from passo.errors import LATER
-from passo.memory import forget, keep
 from passo.records import COUNT_MASK, DOTS_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_MS, TICKS_PER_S
 from passo.steps.ring import Ring, power_room, ring_size
 from passo.steps.word import us_to_ticks
@@ -78,13 +77,11 @@ class Link:
 
 
 class App:
-    def __init__(self, board, port, protocols=None, slots=None, rooms=()):
+    def __init__(self, board, port, protocols=None, slots=None):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere; `rooms`: the arrays made while memory was free in large pieces, see keep(). Raises
-        BoardError."""
-        from passo import machine_builder  # here: it is forgotten again
+        settings are kept, None: nowhere. Raises BoardError."""
+        from passo import machine_builder  # here: nothing else needs it
 
-        keep(rooms)
         self.board = board
         for link in board["links"]:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
@@ -96,7 +93,6 @@ class App:
         if "program" in names:
             self.planner.load()
         settings = Settings(board, Journal(slots or MemorySlots()), machine_builder.more_settings(languages), getattr(port, "writing", None))
-        forget("passo.config.setting_numbers")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
         inverted = bool(settings.mask_change(ENABLE_INVERT)) and getattr(port, "veto", None) is None  # which knows the board file's only
@@ -116,13 +112,8 @@ class App:
         most = _SEVERAL if self.interrupt else _ALL
         self._make_links(machine_builder, languages, serials, own, shared, most)
         self._prepare_links()  # before the buffers for links of files
-        if self.interrupt:  # a chip has little memory
-            machine_builder = own = None
-            forget("passo.machine_builder", True)
         for name, language in getattr(board.get("additions"), "file_links", ()):
             self._add_link(self.controller.features[name], languages, language, shared, most)
-        if self.interrupt:  # their users have them
-            board.pop("additions", None)
         self.controller.machine.announce_restart()
         self._send_events()
 

@@ -1,11 +1,7 @@
-"""The machine builder: it makes the parts that a board file and its links' languages ask for, and no others: drive, speeds, features.
-
-A board forgets this module when that is done: it has better uses for the memory.
-"""
+"""The machine builder: it makes the parts that a board file and its links' languages ask for, and no others: drive, speeds, features."""
 
 from passo.config.board_error import BoardError, folders, inputs_of
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
-from passo.memory import forget
 from passo.motion.planner import Planner
 from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks

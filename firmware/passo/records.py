@@ -23,6 +23,7 @@ LONG_TICKS = const(375_000)  # 30 ms of motion queued: with less a stream is slo
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 REST_MS = const(1000)  # a machine that has stood for this time rests: a sender that counts has sent all it may
+WINDOW_BITS = const(10)  # of the stream of a stored job
 LINES_BYTES = const(1024)  # of G-code lines that a link keeps
 JOURNAL_BYTES = const(32)  # of a record of the job's journal, see control/job_journal.py
 REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs

@@ -105,8 +105,8 @@ def measure_boot():
     ), rows  # fmt: skip
 
 
-_RUN = b"        start.run(app, port)\n"
-_TOLD = b"        start.rooms = None; import gc; gc.collect(); print('ready')\n"  # as run() begins
+_RUN = b"    main(Start, STAMP)\n"
+_TOLD = b"    def told(self, app, settle=Start.settle):\n        settle(self, app)\n        print('ready')\n    Start.settle = told\n"
 _FIRST = {"plotter": (b"r\0\0\0\0r", b"k"), "grbl": (b"?", b"<")}  # other languages have no question that any machine answers
 
 

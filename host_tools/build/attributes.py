@@ -17,7 +17,7 @@ from functools import cache
 
 from host_tools.resources import MAIN
 
-ASKED_FOR = {"_bytes", "_lines", "_redirect", "_timer", "_trip", "UsbLine", "measure_khz", "empty_stream", "load_all", "port_byte", "show_lines"}
+ASKED_FOR = {"_bytes", "_lines", "_redirect", "_timer", "_trip", "UsbLine", "measure_khz", "load_all", "port_byte", "show_lines"}
 _FIRST_OF_MODULE = 16  # short names of a module's own; arguments.py gives those before to a function's
 
 

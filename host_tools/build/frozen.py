@@ -44,8 +44,7 @@ CHIPS = {
 # The function that the step interrupt calls most, by its name in the C of frozen code: it is copied into memory. hot.txt lists the functions that
 # lie side by side in flash.
 MEMORY = ("steps_feeder_Feeder_fill",)
-# Modules that only an interpreter without them frozen wants.
-_OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_names.py")}
+STOCK = Path("passo", "ports", "rp2", "stock")  # for modules that are not frozen
 _MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.py", "build/pages.py", "build/hot.txt", "kernels/*.py", "kernels/*.c")
 # A board whose kernels are those of all boards.
 _NAME = b"\x0ekernels\0"  # of every module of kernels: host_tools/kernels/unit.py
@@ -62,7 +61,7 @@ def chip_of(name):
 
 def modules_frozen(chip, firmware=FIRMWARE):
     """Return the paths of the modules that are frozen for a Chip, main.py and passo_image.py included."""
-    files = [path for path in module_files(firmware) if runs_on(path, chip.mcu) and path not in _OF_FILES]
+    files = [path for path in module_files(firmware) if runs_on(path, chip.mcu) and not path.is_relative_to(STOCK)]
     if not chip.network:
         files = [path for path in files if path.parts[:2] != WEB.parts and not path.is_relative_to(OPTIONS / "network")]
     return [MAIN, IMAGE, *files]

@@ -3,7 +3,7 @@
     data = in_place(Path("planner.mpy").read_bytes(), native=False)
 
 A board's littlefs keeps a file in blocks of 4096 bytes; block n > 0 begins with ctz(n) + 1 pointers. Code that lies
-within one block can run from flash (firmware/passo/ports/rp2/flash_code.py). `in_place` moves functions that would cross a
+within one block can run from flash (firmware/passo/ports/rp2/stock/flash_code.py). `in_place` moves functions that would cross a
 block, and native code that is not aligned, by inserting 0x80 bytes before the number that begins them, which do not change its
 value. It appends a table of all functions, which the interpreter does not read:
 

@@ -55,7 +55,7 @@ MARCH = {
 # The first mpy-cross whose viper code can be trusted: 1.26 and 1.27 overwrite the register of the index in `words[i] = …`
 # on Thumb and RV32 (MicroPython #18800, mended by #18821), and the store goes to a wrong address.
 OLDEST_COMPILER = 1, 28
-# The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what a stream of
+# The chip whose code runs from its files in flash (passo/ports/rp2/stock); of the native code only what a stream of
 # lines seldom calls: from flash it runs at half the speed.
 IN_PLACE = "rp2040"
 ACCELERATES = {"axes": [{"accel_mm_s2": 1}]}  # of a board file: so that the planner is loaded with the feeder
@@ -79,7 +79,7 @@ COLD = (
     "passo/ports/chip_port.py",
     "passo/ports/latch.py",
     "passo/ports/rp2/console.py",
-    "passo/ports/rp2/flash_code.py",
+    "passo/ports/rp2/stock/flash_code.py",
     "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
     "passo/protocols/gcode/parser.py",

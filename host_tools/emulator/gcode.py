@@ -39,8 +39,13 @@ DOTS_A_CHUNK = LINES_A_READ
 ROW = 4 * DOTS + 3
 LASER_PIN = 22
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
-_RUN = b"        start.run(app, port)\n"
-_ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
+_RUN = b"    main(Start, STAMP)\n"
+_ATTACH = b"""    def run(self, app, port, real=Start.run):
+        import memory_line
+        memory_line.attach(app, port)
+        real(self, app, port)
+    Start.run = run
+"""
 _LINE = """
 import gc, micropython, sys
 from micropython import const

@@ -26,7 +26,7 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 START = """
 import gc
 gc.threshold(16000)
-from passo.ports.rp2 import flash_code
+from passo.ports.rp2.stock import flash_code
 flash_code.begin()
 from passo.app import App
 from passo.config.boardfile import check

@@ -22,11 +22,10 @@ try:
     import passo_image as image
 except ImportError:
     image = None
-if not (image and image.choose_package()):
-    from passo.ports.rp2 import flash_code
-
-    flash_code.begin()
-from passo.memory import forget
+if image and image.choose_package():
+    from passo.ports.rp2.start import Start
+else:
+    from passo.ports.rp2.stock.start import Start
 
 
 def deep_copy(value):
@@ -39,8 +38,6 @@ def deep_copy(value):
 def _check_board(changes, without):
     """Check BOARD with `changes` and without the keys `without`, and keep it in `board`, before the app is loaded."""
     global start, board
-    from passo.ports.rp2.start import Start
-
     raw = deep_copy(BOARD)
     for key in without:
         raw.pop(key, None)
@@ -50,10 +47,7 @@ def _check_board(changes, without):
     from passo.config.boardfile import check
 
     board = check(raw)
-    forget("passo.config.boardfile")
-    forget("passo.config.chip_pins")
-    gc.collect()
-    start.keep(board)
+    start.load(board)
 
 
 def _load_app():
@@ -61,7 +55,6 @@ def _load_app():
     from passo.app import App
     from passo.machine_builder import load_all
 
-    start.load(board)
     load_all(board)
     start.finish_loading()
     return App
@@ -71,12 +64,9 @@ def _make_app(App, made):
     """Build the app on the port `made`, and keep its parts in globals. The collector then runs only when asked or when memory is full."""
     global port, app, planner, feeder, player
     port = made
-    app = App(board, port, None, None, start.rooms)
-    start.rooms = None
+    app = App(board, port, None, None)
     planner, feeder, player = app.planner, app.feeder, app.player
-    forget("passo.machine_builder")
-    gc.collect()
-    gc.threshold(-1)
+    start.settle(app)
 
 
 def make(changes, without):

@@ -33,7 +33,7 @@ HERE = Path(__file__).parent
 MARCH = "rv32imc"
 FIRST_HEAP = 56 * 1024  # ports/esp32/mpconfigport.h, ESP32
 Counted = namedtuple("Counted", "steady peak code left error")
-_RUN = "        start.run(app, port)\n"
+_RUN = "    main(Start, STAMP)\n"
 # Modules that start.py wants to be files or frozen, through a file system that gives no memory of its own, as littlefs.
 _START = """
 import chip, gc, io, json, os, sys, vfs
@@ -174,8 +174,8 @@ class Esp32:
             (folder.parent / "board.py").write_text(f"BOARD = {loaded!r}\n")
             _of_viper(lambda: build_tree(str(folder.parent / "board.py"), folder, march=MARCH))
         text = (FIRMWARE / "main.py").read_text()
-        assert text.count(_RUN) == 1 and text.count('sys.platform == "esp32"') == 1
-        text = text.replace(_RUN, "        told()\n").replace('sys.platform == "esp32"', "True")
+        assert text.count(_RUN) == 1 and text.count('% sys.platform') == 1
+        text = text.replace(_RUN, "    Start.run = lambda *_: told()\n" + _RUN).replace('% sys.platform', '% "esp32"')
         files = {"board.py": f"BOARD = {loaded!r}\n".encode(), "start.txt": text.encode()}
         code = _START.format(frozen=self.frozen, pieces=tuple(pieces), drivers=tuple(drivers))
         said = self.core(files, folder).run(code)

@@ -20,6 +20,10 @@ from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.rig import Rig, router_board
 
+# In main.py before RUN, READY has the board print "ready" when its main loop begins.
+READY = b"    def settle(self, app, real=Start.settle):\n        real(self, app)\n        print('ready')\n    Start.settle = settle\n"
+RUN = b"    main(Start, STAMP)\n"
+
 
 @pytest.fixture(scope="session")
 def uf2():

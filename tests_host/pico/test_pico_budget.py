@@ -4,7 +4,7 @@ import copy
 
 import pytest
 from air import UART_BYTES, Air, files, pico_w
-from emulated import uf2  # noqa: F401
+from emulated import READY, RUN, uf2  # noqa: F401
 from test_pico_flash import LIMIT_MS
 
 from host_tools import boards
@@ -13,8 +13,6 @@ from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, files_of
 from passo.config.boardfile import check
 
-READY = b"        import gc; start.rooms = None; gc.collect(); print('ready')\n"
-RUN = b"        start.run(app, port)\n"
 MORE = {
     "plotter_2014": {"jobs": {"language": "plotter"}, "journal": {"every_ms": 500}},
     "lpt_router": {"jobs": {"language": "pulses"}},

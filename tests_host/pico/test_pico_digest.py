@@ -22,7 +22,7 @@ from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_
 
 LIMIT_US = 30_000_000
 # A router has no memory for its code.
-IN_FLASH = "from passo.ports.rp2 import flash_code\nflash_code.begin()\n"
+IN_FLASH = "from passo.ports.rp2.stock import flash_code\nflash_code.begin()\n"
 
 
 def compiled(sources, board="router_3axis"):

@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from emulated import uf2  # noqa: F401
+from emulated import READY, RUN, uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.build import mpy, tree
@@ -23,7 +23,7 @@ VERSIONS = sorted((binary.CACHE / "versions").glob("RPI_PICO-*.uf2"))  # others 
 # The start of main.py without the app: `code` redirects what is imported while it is there.
 BEGIN = """
 import gc, sys
-from passo.ports.rp2 import flash_code
+from passo.ports.rp2.stock import flash_code
 flash_code.begin()
 code = flash_code.code
 """
@@ -34,9 +34,8 @@ class Started:
 
     def __init__(self, board, files=None, uf2=None):
         files = dict(files or firmware_files(board))
-        ready = b"        import gc; start.rooms = None; gc.collect(); print('ready')\n"  # as run() begins
         main = files["main.py"]
-        files["main.py"] = main.replace(b"        start.run(app, port)\n", ready + b"        start.run(app, port)\n")
+        files["main.py"] = main.replace(RUN, READY + RUN)
         assert files["main.py"] != main
         self.machine = machine = EmulatedMachine(board, files, uf2=uf2).boot()
         console = machine.pico.console
@@ -157,7 +156,7 @@ def test_the_flash_of_a_pico_w(show):
     show("plotter_2014 on a Pico W", f"{started.heap.free} bytes free, {started.heap.largest} in one piece")
 
 
-LOADER = "passo/ports/rp2/flash_code.py"
+LOADER = "passo/ports/rp2/stock/flash_code.py"
 LAYOUTS = [
     ("_CODE = const(12)", "_CODE = const(8)"),
     ("_CODE = const(12)", "_CODE = const(16)"),

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import pytest
-from emulated import uf2  # noqa: F401
+from emulated import READY, RUN, uf2  # noqa: F401
 
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.load import Load
@@ -56,10 +56,9 @@ def mill(uf2):  # noqa: F811
 def test_room_on_the_heap(uf2, show):  # noqa: F811
     """The free bytes after the machine is built, before the first cycle."""
     files = dict(firmware_files("mill_2004"))
-    begin = b"        start.run(app, port)\n"
-    tell = b"        import gc; start.rooms = None; gc.collect(); print('FREE', gc.mem_free())\n"
-    assert begin in files["main.py"]
-    files["main.py"] = files["main.py"].replace(begin, tell + begin)
+    tell = READY.replace(b"print('ready')", b"import gc; print('FREE', gc.mem_free())")
+    assert RUN in files["main.py"]
+    files["main.py"] = files["main.py"].replace(RUN, tell + RUN)
     machine = EmulatedMachine("mill_2004", files, uf2=uf2, trace=None).boot()
     machine.pico.console.expect(b"FREE ", 12_000_000)
     heap = Heap(machine.pico)

@@ -21,7 +21,7 @@ FIRMWARE = ROOT / "firmware"
 FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
 
 # The vocabulary: everybody may name it, and it names nobody.
-VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors", "passo.memory")
+VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors", "passo.arrays")
 
 # The modules of passo that a room may import besides itself.
 MAY_IMPORT = {
@@ -29,7 +29,7 @@ MAY_IMPORT = {
     "records": (),
     "commands": (),
     "batch": (),
-    "memory": (),
+    "arrays": (),
     "errors": (),
     "error_texts": ("passo.errors",),
     "drives": (),
@@ -43,9 +43,10 @@ MAY_IMPORT = {
     "app": ("passo",),
     "machine_builder": ("passo",),
     "builder": ("passo",),  # of an option
+    "run": ("passo",),
     "passo_image": ("passo.ports.rp2",),
     "main": (
-        "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.board_error", "passo.config.journal", "passo.memory", "passo.ports", "board",
+        "passo_image", "passo.run", "passo.ports", "board",
     ),
 }
 
@@ -70,9 +71,8 @@ SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.words", "passo.pro
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
 MORE_BUILT_INS = {
-    "ports": {"builtins", "math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs", "sdcard"},  # the last is a driver of micropython-lib
+    "ports": {"builtins", "math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs", "sdcard", "deflate"},  # the last is a driver of micropython-lib
     "config": {"deflate"},
-    "memory": {"deflate"},
     "control": {"math"},
     "passo_image": {"rp2", "uctypes"},
     "web": {"socket", "network"},
@@ -173,7 +173,7 @@ def import_faults(source, path):
         top = name.split(".")[0]
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
-    if room not in ("machine_builder", "builder", "main") and path.name not in BY_KEY:
+    if room not in ("machine_builder", "builder", "run", "main") and path.name not in BY_KEY:
         for node in ast.walk(parse(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
                 faults.append(f"{path}:{node.lineno}: only builders load modules by name")

@@ -188,10 +188,10 @@ def starts(files):
     except SyntaxError:
         return False
     if "stamp_of(" not in main:
-        return re.search(r"^ *main\(\)$", main, re.MULTILINE) is not None
+        return re.search(r"^ *main\(.*\)$", main, re.MULTILINE) is not None
     names = {"sys": sys, "open": lambda path: io.StringIO(files[path]) if path in files else open("/no/such/file")}
     exec(main[: main.index("\nif WHOLE:")].replace("import passo_image as image", "raise ImportError"), names)
-    return "\n    main()\n" in main and names["WHOLE"]
+    return "\n    main(Start, STAMP)\n" in main and names["WHOLE"]
 
 
 def copied(commands, out):

@@ -160,3 +160,14 @@ def rewritten(board, own):
         if hasattr(module, "rewrite"):
             board, levels = module.rewrite(board)
     return board, levels
+
+
+def by_options(board):
+    """Return a raw board file with the pins that its options give it, such as those of a parallel port."""
+    try:
+        sections = {key: value for key, value in board.items() if isinstance(value, dict) and "port_pins" in value}
+        if sections:
+            return rewritten(board, own_rules(sections, {}))[0]
+    except Exception:  # its check will say what is wrong
+        pass
+    return board

@@ -10,12 +10,11 @@ of a write therefore leaves what was there before; one after it finds the new te
     passo <sequence> <length of the text in bytes> <CRC-32 of all the rest, in hexadecimal>\\n<text>
 """
 
+import gc
 import os
 from binascii import crc32
 
 from micropython import const
-
-from passo.memory import FileRoom
 
 SLOTS = const(2)
 _MAGIC = b"passo"
@@ -84,8 +83,6 @@ class FileSlots:
 
     def __init__(self, path):
         self._path = path
-        self._room = FileRoom()
-        self._room.keep()
 
     def _slot_path(self, slot):
         """Return the path of a slot's file."""
@@ -100,13 +97,10 @@ class FileSlots:
 
     def write(self, slot, data):
         """Write a slot's file whole and sync the file system. Raises OSError."""
-        name = self._slot_path(slot)
-        try:
-            with self._room.open(name, "wb") as file:
-                file.write(data)
-        finally:
-            file = None
-            self._room.keep()
+        with open(self._slot_path(slot), "wb") as file:
+            file.write(data)
+        file = None
+        gc.collect()
         if hasattr(os, "sync"):
             os.sync()
 

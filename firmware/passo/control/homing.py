@@ -40,7 +40,7 @@ class Seeker:
         self.steps_s = 1
         self.done = False
 
-    def note_edge(self, number):
+    def note(self, number):
         """Note the position at which sensor `number` changed."""
         self.edges[number] = self.sensors[number].edge
 
@@ -250,7 +250,7 @@ class Homing(Feature):
     def _pull_off(self, seeker):
         """Phases 3 and 6: go to one pull-off from the edge found last, at the seek speed."""
         self.until(None)
-        seeker.note_edge(seeker.tripped)
+        seeker.note(seeker.tripped)
         self.way(seeker, seeker.pull_off_steps - self.steps_from_edge(seeker, seeker.tripped), seeker.seek_steps_s)
 
     def _locate_edge(self, seeker):

@@ -8,7 +8,7 @@ Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array o
 from array import array
 from micropython import const
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.motion.circle import turns_off
 from passo.motion.circle_viper import LEADS
 from passo.motion.cordic import QUARTER, arc_length, vector

@@ -25,7 +25,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.motion.limits import MOST
 from passo.motion.line import LONGEST_TICKS, Line, Steady, dominant, refuse
 from passo.motion.row_viper import close, room, take

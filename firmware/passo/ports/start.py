@@ -31,8 +31,6 @@ _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
 
 
 class Start:
-    rooms = ()  # large arrays that the app will ask for: see passo/memory.py
-
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         self._outputs = outputs(board)
@@ -60,14 +58,11 @@ class Start:
     def begin_loading(self):
         """Make ready for the imports of the app: called before them."""
 
-    def keep(self, board):
-        """Make what goes into `rooms`: called before the app is imported, when `board` has been checked."""
-
     def load(self, board):
-        """Import what port() will ask for."""
+        """Import what port() will ask for: called before the app is imported, when `board` has been checked."""
 
     def finish_loading(self):
-        """Give back what only loading needed: called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
+        """End what begin_loading() began: called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
         return ""
 
     def history(self):
@@ -81,9 +76,13 @@ class Start:
             if machine.reset_cause() == machine.WDT_RESET:
                 print("the last run ended by: reset, by program or by the watchdog")
 
+    def settle(self, app):
+        """Collect what the making of the app has left: called when it is about to run."""
+        gc.collect()
+
     def run(self, app, port):
         """Run for ever; after the grace period the watchdog minds it."""
-        gc.collect()
+        self.settle(app)
         guarded = False
         while True:
             if app.poll():  # app.cycle() would cost stack, of which interrupts want theirs

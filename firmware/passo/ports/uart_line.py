@@ -35,7 +35,7 @@ class UartLine:
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
 
-    def use_capture(self, capture):
+    def join(self, capture):
         """Let `capture` take what comes while flash is written."""
         self._capture = capture
 

@@ -4,7 +4,7 @@ from array import array
 
 import micropython
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.records import *
 from passo.steps.position_viper import find, look, see, tally
 

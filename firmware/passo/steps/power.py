@@ -14,7 +14,7 @@ take_marks() and scale() are one text for all interpreters; see motion/block_vip
 import micropython
 from micropython import const
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.records import *
 
 _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 steps at most

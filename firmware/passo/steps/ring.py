@@ -10,7 +10,7 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
 
 from micropython import const
 
-from passo.memory import numbers
+from passo.arrays import numbers
 from passo.motion.line import MAX_RUN
 from passo.records import MARKS, MARK_FIELDS, TICKS_PER_MS
 from passo.steps.power import Power, power_items
@@ -21,11 +21,9 @@ _EACH_DOT = const(512)
 _DOTS = const(1024)  # of the rows that are queued
 
 
-def arrays(board, lead_ticks):
-    """Return ((type code, items), …) of the largest arrays that the steps of a checked board's machine will ask of passo.memory."""
-    rates = [(axis["steps_per_m"], 1000 * axis["max_mm_min"]) for axis in board["axes"]]
-    marks, power = MARKS * (MARK_FIELDS + len(rates)), power_items(*power_room(board))
-    return ("i", power), ("i", marks), ("I", ring_size(fastest(board["speed"], rates), lead_ticks))
+def mark_items(axes):
+    """Return the length of the array of checkpoints of `axes` axes."""
+    return MARKS * (MARK_FIELDS + axes)
 
 
 def fastest(speed, rates):

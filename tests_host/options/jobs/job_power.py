@@ -12,7 +12,6 @@ import vfs
 from binascii import crc32
 
 from check_jobs import stored_form
-from passo import memory
 from passo.options.jobs import config as job_store
 from passo.options.card.config import CardStore
 from passo.options.jobs.config import JobStore
@@ -153,7 +152,7 @@ def full(system, store_class, device, image):
 def main(kind):
     system, store_class, geometry = (vfs.VfsLfs2, JobStore, FLASH) if kind == "lfs" else (vfs.VfsFat, CardStore, CARD)
     gc.disable()  # files that a power cut has left open would be closed, and written
-    job_store.gc = memory.gc = Nothing()
+    job_store.gc = Nothing()
     device = Device(*geometry)
     system.mkfs(device)
     vfs.mount(system(device), "/flash")

@@ -20,7 +20,7 @@ steps since, within 0 … play. `_begins` keeps both for each row of the queue.
 
 from array import array
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.motion import planner
 from passo.motion.integers import isqrt
 from passo.records import *

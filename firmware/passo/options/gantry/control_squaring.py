@@ -39,7 +39,7 @@ class Squaring:
         if seeker.axis != self.axis:
             seeker.done = True
             return
-        seeker.note_edge(seeker.tripped)
+        seeker.note(seeker.tripped)
         other = seeker.sensors[1 - seeker.tripped]
         self._stood = self._queue.axis(seeker.axis)
         self._drive.use_motors(1 if seeker.tripped else 2)
@@ -51,12 +51,12 @@ class Squaring:
         homing = self._homing
         homing.until(None)
         if seeker.axis != self.axis:
-            seeker.note_edge(0)
+            seeker.note(0)
             homing.way(seeker, seeker.pull_off_steps - homing.steps_from_edge(seeker, 0), seeker.seek_steps_s)
             return
         self.use_both()
         first = seeker.tripped
-        seeker.note_edge(1 - first)
+        seeker.note(1 - first)
         ways = [0, 0]
         ways[first] = seeker.pull_off_steps - (self._stood - seeker.edges[first]) * seeker.away
         ways[1 - first] = seeker.pull_off_steps - homing.steps_from_edge(seeker, 1 - first)

@@ -17,7 +17,7 @@ A file is one line of text and the job's bytes behind it, deflated (RFC 1951, wi
 An upload has a name of its own until it has been read back whole: a power cut, a full memory or a wrong byte leaves what
 was there before. All functions raise OSError if the memory is full or broken. Writing stops the processor for up to
 0.4 s a block: only at a stand. Reading needs three pieces of memory: 1.2 kB for the file, 1.3 kB for the stream, 1 kB for its
-window. The store has them from the start, and holds them between two jobs: later there may be no such pieces.
+window.
 """
 
 import gc
@@ -28,9 +28,9 @@ import deflate
 from micropython import const
 
 from passo.config.journal import seal_record
-from passo.memory import WINDOW_BITS, FileRoom, stream
 from passo.options.jobs.config_names import name_fits
 from passo.options.jobs.errors import JOB_DAMAGED, JOB_LANGUAGE, JOB_UPLOAD, NO_CARD
+from passo.records import WINDOW_BITS
 
 _MAGIC = b"job "
 HEAD_BYTES = const(96)  # at most, of a file's first line
@@ -70,6 +70,7 @@ class JobFile:
 
     def __init__(self, file, lost, language):
         self._file = file
+        self._stream = None
         self._lost = lost
         head = parse_first_line(self._file.readline(HEAD_BYTES))
         if head is None or language and language != head[0]:
@@ -78,16 +79,16 @@ class JobFile:
         _, self.size, self.crc, _ = head
         self.done = 0  # bytes read
         self._sum = 0  # their CRC-32
+        self._first = first = bytearray(1)  # of the job: reading it makes the stream's window, at a stand
         self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
-        self._first = b""  # the byte read to make the window
-
-    def window_maker(self):
-        """Return the function that makes the window at its first call, with one byte, for put_back()."""
-        return self._stream.readinto
-
-    def put_back(self, first):
-        """Give the byte that window_maker() has read to the first readinto()."""
-        self._first = first
+        try:
+            self._first = first[: self._stream.readinto(first)]
+        except (OSError, EOFError) as error:
+            self.close()
+            raise self.damage_of(error)
+        except MemoryError:
+            self.close()
+            raise
 
     def readinto(self, view):
         """Read bytes of the job into `view`, a memoryview of two or more. Returns how many; 0 at the end. Raises Damaged, also with the last bytes if
@@ -113,16 +114,11 @@ class JobFile:
         return Damaged(JOB_DAMAGED if wrong else self._lost)
 
     def close(self):
-        """Close the file; the stream keeps its memory."""
+        """Close the file, and let go of it and of the stream."""
         self._file.close()
-
-    def drop(self):
-        """Close the file and let go of it. Returns the stream, which keeps its memory."""
-        self.close()
-        made = self._stream
-        made.close()
+        if self._stream:
+            self._stream.close()
         self._file = self._stream = None
-        return made
 
 
 def count_folders(path):
@@ -145,41 +141,12 @@ class JobStore:
         self._name = ""
         self._upload = ""  # its path
         self._left = 0  # bytes that it still lacks
-        self._room = FileRoom()
-        self._stream = None
         self.more = 0  # jobs that the last list has left out
 
-    def reserve_memory(self):
-        """Allocate the memory that reading needs. Call it last at the start, before anything is read or uploaded."""
-        self._stream = stream()  # the last one: the next takes its memory
-        self._room.keep()
-
-    def _begin_reading(self, job):
-        """Make the job's window, in the memory that has been kept. Raises MemoryError, Damaged; then the job is closed."""
-        first = bytearray(1)
-        read = job.window_maker()
-        self._stream = None
-        try:
-            gc.collect()
-            count = read(first)  # nothing is made between these two: it would lie where the window is to be
-        except MemoryError:
-            self.close(job)
-            self._stream = stream()  # the job's has no window
-            raise
-        except (OSError, EOFError) as error:
-            self.close(job)
-            raise job.damage_of(error)
-        if count:
-            job.put_back(first)
-        return job
-
     def close(self, job):
-        """Close a job, and keep room for the next."""
-        made = job.drop()
-        if self._stream is None:
-            self._stream = made
-        made = None
-        self._room.keep()
+        """Close a job, and collect the garbage of reading it while the machine stands."""
+        job.close()
+        gc.collect()
 
     def mount(self):
         """Make the folder, and remove an upload that a power cut has left. Call it once, before anything else."""
@@ -216,31 +183,23 @@ class JobStore:
 
     def _open_job(self, path, language=None):
         """Return the JobFile of a path, its window made. Raises as open()."""
-        try:
-            job = JobFile(self._room.open(path, "rb"), JOB_DAMAGED if self._is_flash else NO_CARD, language)
-        except (OSError, MemoryError, Damaged):
-            self._room.keep()
-            raise
-        return self._begin_reading(job)
+        return JobFile(open(path, "rb"), JOB_DAMAGED if self._is_flash else NO_CARD, language)
 
     def list_jobs(self):
         """Return [(name, language, bytes, bytes stored, CRC-32)]; the language of a damaged one is "". `more` counts the jobs left out. Raises
         OSError."""
         found = []
-        try:
-            for name in self._job_names():
-                there, head = self._read_first_line(name)
-                if there:
-                    language, size, crc, stored = head or ("", 0, 0, 0)
-                    found.append((name, language, size, stored, crc))
-        finally:
-            self._room.keep()
+        for name in self._job_names():
+            there, head = self._read_first_line(name)
+            if there:
+                language, size, crc, stored = head or ("", 0, 0, 0)
+                found.append((name, language, size, stored, crc))
         return found
 
     def _read_first_line(self, name):
         """Return (True, the parsed first line) of a stored job, (True, None) if it cannot be read, (False, None) if the file is no job."""
         try:
-            with self._room.open(self._job_path(name), "rb") as file:
+            with open(self._job_path(name), "rb") as file:
                 return True, parse_first_line(file.readline(HEAD_BYTES))
         except OSError:
             return True, None
@@ -267,7 +226,7 @@ class JobStore:
         """Begin an upload of `stored` bytes, in place of one under way. Raises OSError, MemoryError."""
         self.abort_upload()
         self._upload = self._upload_path(name)
-        self._file = self._room.open(self._upload, "wb")
+        self._file = open(self._upload, "wb")
         self._name = name
         self._left = stored
         self._file.write(first_line(language, size, crc, stored))
@@ -311,7 +270,6 @@ class JobStore:
                 file.close()
             except OSError:
                 pass  # a card that has gone: the bytes written last are lost
-            self._room.keep()
         if self._upload:
             self._remove_file(self._upload)
             self._upload = ""

@@ -16,9 +16,9 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.control.feature import OFF, WORK_GONE, Feature
+from passo.arrays import buffer
 from passo.control.links import OF_LENDER, RIGHTS, STARTS
 from passo.errors import ALARMS, AT_STAND, OUTPUTS_OFF
-from passo.memory import buffer
 from passo.options.jobs.commands import JOB, JOB_CLOSE, JOB_DATA, JOB_DELETE, JOB_LIST, JOB_OPEN, JOB_RUN, JOB_STATE
 from passo.options.jobs.config import Damaged, JobStore
 from passo.options.jobs.config_names import LINK, name_fits
@@ -125,7 +125,6 @@ class Jobs(Feature):
         """Take the link's `number` and its `protocol`. Returns the serial line that reads the file."""
         self._number = number
         self.line = JobLine(protocol, self._look_at_log, self._stop_job)
-        self._store.reserve_memory()
         return self.line
 
     def _make_store(self, board, port, folder):

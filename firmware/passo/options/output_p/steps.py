@@ -21,7 +21,7 @@ find_words() is one text for all interpreters; see motion/block_viper.py.
 import micropython
 from micropython import const
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.records import *
 
 # Switches.marks. First how many changes were asked for and shown, for ever, modulo 2²⁹.

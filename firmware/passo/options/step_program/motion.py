@@ -24,7 +24,7 @@ written before `end` counts it. Cells and indices count modulo 2²⁹.
 import micropython
 from micropython import const
 
-from passo.memory import zeros
+from passo.arrays import zeros
 from passo.records import COUNT_MASK
 
 DWELL = const(1)

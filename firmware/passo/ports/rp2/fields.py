@@ -9,6 +9,12 @@ from micropython import const
 # How far ahead of the player words are made. An arc's segment of 6 ms counts whole until it has been played.
 LEAD_TICKS = const(21 * 12_500 // 2)  # 10.5 ms
 
+# The flash, and its file system's requests.
+FLASH_BLOCK = const(4096)
+FLASH_PAGE = const(256)
+IOCTL_COUNT = const(4)
+IOCTL_ERASE = const(6)
+
 # The state of the RP2040's waveform player, an array('I'). First what does not change: addresses of registers and tables.
 PIO_BLOCK = const(0)
 PIO_MACHINE = const(1)

@@ -94,7 +94,7 @@ class Port(ChipPort):
         if link["port"] != "usb" and not link.get("frames") and "parity" not in link:
             from passo.ports.rp2.uart_capture import Capture
 
-            line.use_capture(Capture(int(link["port"][4:])))
+            line.join(Capture(int(link["port"][4:])))
         return line
 
     @micropython.viper

@@ -23,7 +23,7 @@ from micropython import const
 
 from passo import commands
 from passo.commands import Command
-from passo.memory import buffer
+from passo.arrays import buffer
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare_line
 from passo.records import LINES_BYTES

@@ -14,10 +14,12 @@ name's text in flash, where its hash says, and behind all of them their numbers.
 It copies the texts of new names one behind the other into a piece of memory, 14 kB for a router. `learn` lets a name's text be the one
 in flash, and the piece end where it did before the module was loaded: few stay.
 
-    limit_next_table(known)                            # the next table has few entries
+It makes tables one after the other, each twice as long as the one before: the last one may be empty but for a few names, 7 kB. `shorten` has the
+next one begin with few entries, and so does
 
-It makes tables one after the other, each twice as long as the one before: the last one may be empty but for a few names, 7 kB. Of
-MicroPython 1.26 to 1.29 is known (py/qstr.h, py/mpstate.h):
+    limit_next_table(known, new)            # for as many names
+
+Of MicroPython 1.26 to 1.29 is known (py/qstr.h, py/mpstate.h):
 
     qstr_pool_t          the table before, names in those before, entries, names, its hashes, its lengths; names' texts
     mp_state_vm_t        …, the piece of memory for texts, its bytes, how many are used, …
@@ -48,7 +50,7 @@ _BEGIN = const(0)  # of a piece of memory: its address, its bytes, how many are 
 _BYTES = const(1)
 _END = const(2)
 _HEAD_BYTES = const(24)
-_LEFT = const(40)  # entries: few modules have more new names
+_LEFT = const(4)  # entries that stay free behind a module
 _HALF = const(96)  # of the entries of the next table
 
 
@@ -99,13 +101,26 @@ def start_of_texts(known: ptr32) -> int:
 
 
 @micropython.viper
+def limit_next_table(known: ptr32, new: int):
+    """Let the newest table, if it has no room for `new` names, look full and short: the next one has twice as many entries as it says of itself."""
+    if known[_TABLES]:
+        newest = ptr32(known[_TABLES])[_NEWEST]
+        if is_table(newest):
+            table = ptr32(newest)
+            if table[_ENTRIES] > _HALF and table[_USED] >= _HALF and table[_ENTRIES] - table[_USED] < new + _LEFT:
+                table[_ENTRIES] = _HALF
+
+
+@micropython.viper
 def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
-    """Write the numbers of names in their place; returns how long the text is now. A number is 2 n + 1, in two bytes."""
+    """Write the numbers of names in their place; returns how long the text is now. A number is 2 n + 1, in two bytes. The interpreter's table has
+    room for the others then."""
     numbers = ptr16(int(known) + _NUMBERS)
     size = sizes >> 16
     count = sizes & 0xFFFF
     at = first
     end = first
+    new = 0
     known[_FROM] = int(start_of_texts(known))
     while count > 0:
         count -= 1
@@ -124,6 +139,8 @@ def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
                 text[end] = number & 0x7F
                 end += 1
                 begin = at
+            else:
+                new += 1
         while begin < at:
             text[end] = text[begin]
             end += 1
@@ -132,6 +149,7 @@ def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
         text[end] = text[at]
         end += 1
         at += 1
+    limit_next_table(known, new)
     return end
 
 
@@ -268,14 +286,3 @@ def move(known: ptr32, begin: int, target: int) -> int:
             i += 1
         table = ptr32(table[_BEFORE])
     return moved
-
-
-@micropython.viper
-def limit_next_table(known: ptr32):
-    """Let the newest table, if it is nearly full, look full and short: the next one has twice as many entries as it says of itself."""
-    if known[_TABLES]:
-        newest = ptr32(known[_TABLES])[_NEWEST]
-        if is_table(newest):
-            table = ptr32(newest)
-            if table[_ENTRIES] > _HALF and table[_USED] >= _HALF and table[_ENTRIES] - table[_USED] < _LEFT:
-                table[_ENTRIES] = _HALF

@@ -32,14 +32,14 @@ from machine import mem16, mem32
 from micropython import const
 
 from passo.ports.rp2 import clock
-from passo.ports.rp2.flash_files import BLOCK, IOCTL_COUNT, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
-from passo.ports.rp2.flash_names import KNOWN_BYTES, learn, limit_next_table, look, move, shorten, take
+from passo.ports.rp2.fields import FLASH_BLOCK, FLASH_PAGE, IOCTL_COUNT
+from passo.ports.rp2.stock.flash_files import ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
+from passo.ports.rp2.stock.flash_names import KNOWN_BYTES, learn, limit_next_table, look, move, shorten, take
 
 code = None  # see begin()
 _COLLECT = const(72_000)  # bytes taken on a board with a radio until garbage is collected: see begin()
 _BUFFER_BYTES = const(4608)  # more than any file has before its functions
 _TEXTS_BYTES = const(4096)  # of names that do not lie in flash: more than most boards have
-_PAGE = const(256)  # as the interpreter mounts it
 _LAYOUT = "unknown layout of functions"
 _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
@@ -54,6 +54,7 @@ _CONSTANTS = const(12)
 _LENGTH = const(8)  # in a text
 _DATA = const(12)
 _ZEROS = bytes(64)
+_MOST_NAMES = const(12)  # new ones of a file that the interpreter loads
 _MODULE = const(4)  # in a function
 _CHILDREN = const(8)
 _CODE = const(12)
@@ -79,7 +80,7 @@ def _is_ram(address):
 
 def _equal(address, target, length):
     """Return True if the same bytes are in memory and in flash."""
-    return _is_ram(address) and 0 < length <= BLOCK and bytearray_at(address, length) == bytearray_at(target, length)
+    return _is_ram(address) and 0 < length <= FLASH_BLOCK and bytearray_at(address, length) == bytearray_at(target, length)
 
 
 def _word(address):
@@ -146,8 +147,11 @@ class FlashCode:
         for at in range(0, _BUFFER_BYTES, len(_ZEROS)):
             self._text[at : at + len(_ZEROS)] = _ZEROS
         there = addressof(self._texts)
-        texts = bytearray(move(self._known, there, 0) or 1)  # the first of the names keeps it
-        move(self._known, there, addressof(texts))
+        try:
+            texts = bytearray(move(self._known, there, 0) or 1)  # the first of the names keeps it
+            move(self._known, there, addressof(texts))
+        except MemoryError:
+            pass  # they stay where they are, with room for more
         self._real = self._file = self._known = self._text = self._texts = None
         delattr(builtins, "_load")
 
@@ -165,6 +169,7 @@ class FlashCode:
         size, head, names, functions, rows, call, last = table
         file.seek(0)
         if not head:
+            limit_next_table(self._known, _MOST_NAMES)
             return file
         self._addresses = self._blocks.chain(size, last)
         self._path, self._file, self._rows = path, file, rows  # three at a time: more are a tuple, garbage that the next module may keep
@@ -187,13 +192,13 @@ class FlashCode:
         mapped = memoryview(flash)
         base = addressof(flash)
         count = flash.ioctl(IOCTL_COUNT, 0)
-        if len(mapped) != count * BLOCK or not _FLASH <= base < base + len(mapped) <= _FLASH_END:
+        if len(mapped) != count * FLASH_BLOCK or not _FLASH <= base < base + len(mapped) <= _FLASH_END:
             raise Unknown("the file system is not mapped")
         self._blocks = Blocks(flash, count, base)
         self._known = array("I", bytearray(KNOWN_BYTES))
         look(_RAM, _STATIC, self._known)
         self._text = memoryview(bytearray(_BUFFER_BYTES))
-        self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
+        self._real = vfs.VfsLfs2(self._blocks, progsize=FLASH_PAGE)
 
     def _load(self):
         """Make the functions of the module that is being imported. Returns the outermost one. The code in a file's head instead of its
@@ -204,7 +209,6 @@ class FlashCode:
         function = _new_function()
         if self._names:
             learn(self._addresses[0], self._names, mem32[id(module) + _NUMBERS], self._known)
-        limit_next_table(self._known)
         self._point(function, module)
         self._point_texts(mem32[id(module) + _CONSTANTS])
         self._file = self._rows = None

@@ -14,13 +14,12 @@ import vfs
 from machine import mem32
 from micropython import const, kbd_intr
 
-BLOCK = const(4096)
+from passo.ports.rp2.fields import FLASH_BLOCK, IOCTL_ERASE
+
 _MARK = const(0x5043)  # ends an .mpy
 _END = const(12)  # bytes of the numbers that do
 ROW_BYTES = const(10)  # of a function
 TEXT_BYTES = const(4)
-IOCTL_COUNT = const(4)
-IOCTL_ERASE = const(6)
 _CORRUPT = const(-84)  # littlefs looks for another block
 _CTRL_C = const(3)
 _NOT_FOUND = const(2)
@@ -78,10 +77,10 @@ class Blocks:
     def chain(self, size, head):
         """Return the addresses of a file's blocks; they are kept from now on."""
         last = 0  # number of the last one
-        room = BLOCK
+        room = FLASH_BLOCK
         while size > room:
             last += 1
-            room += BLOCK - 4
+            room += FLASH_BLOCK - 4
             number = last
             while not number & 1:
                 room -= 4
@@ -91,7 +90,7 @@ class Blocks:
             if not 0 <= head < self.count:
                 raise Unknown("a file's list of blocks")
             self._kept[head >> 3] |= 1 << (head & 7)
-            addresses[number] = self._base + head * BLOCK
+            addresses[number] = self._base + head * FLASH_BLOCK
             head = mem32[addresses[number]]
         return addresses
 

@@ -1,0 +1,71 @@
+"""The start on stock MicroPython: bytecode stays in flash, machine code is in memory, and the largest arrays are made before any of it is
+imported. Modules that only the start needs are dropped."""
+
+import gc
+import sys
+
+from micropython import const
+
+from passo.ports.rp2.stock import flash_code
+
+flash_code.begin()  # modules imported from here on stay in flash
+
+from passo.ports.rp2.stock import pieces  # isort: skip
+from passo.ports.rp2 import start  # isort: skip
+
+_COLLECT = const(56_000)  # bytes taken while code is loaded until garbage is collected: objects that stay lie close together
+_OF_CHECK = ("board", "passo.config.boardfile", "passo.config.chip_pins")
+_OF_LOADING = (".flash_code", ".flash_names", "_flash_names", ".reserve")  # the parts after "stock" in the names of modules
+
+
+def drop(name, empty=True):
+    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again. `empty`: clear its globals, too,
+    because a stale word on the stack that points to one of its functions would keep all of them. False: its functions are still used."""
+    module = sys.modules.pop(name, None)
+    if module:
+        package, _, short = name.rpartition(".")
+        if package:
+            delattr(sys.modules[package], short)
+        if empty:
+            module.__dict__.clear()
+
+
+class Start(start.Start):
+    fits = True
+
+    def begin_loading(self):
+        """Collect garbage early while code is loaded, which then lies close together."""
+        gc.threshold(_COLLECT)
+        self._code = flash_code.code
+
+    def load(self, board):
+        """Drop what only the check of the board file needs, make the largest arrays and the buffers of links and files, then import the port."""
+        for name in [name for name in sys.modules if name in _OF_CHECK or name[:14] == "passo.options." and ".manifest" in name]:
+            drop(name)
+        from passo.ports.rp2.stock.reserve import reserve
+
+        self._code.borrow(reserve(board))
+        start.Start.load(self, board)
+
+    def finish_loading(self):
+        """Drop the modules that only loading needs. Returns the line that says where the code lies."""
+        code, self._code = self._code, None
+        if code:
+            code.finish()
+            self._said = code.text()
+        for name in [name for name in sys.modules if name.rpartition("stock")[2] in _OF_LOADING]:
+            drop(name)
+        return self._said
+
+    def port(self, board):
+        made = start.Start.port(self, board)
+        drop("passo.ports.rp2.clock", False)
+        return made
+
+    def settle(self, app):
+        """Drop what only the making of the app needed."""
+        pieces.offer(())
+        drop("passo.config.setting_numbers", False)
+        drop("passo.machine_builder")
+        drop(getattr(app.board.pop("additions", None), "lines", None), False)
+        start.Start.settle(self, app)
