@@ -112,8 +112,7 @@ class App:
         most = _SEVERAL if self.interrupt else _ALL
         self._make_links(machine_builder, languages, serials, own, shared, most)
         self._prepare_links()  # before the buffers for links of files
-        for name, language in getattr(board.get("additions"), "file_links", ()):
-            self._add_link(self.controller.features[name], languages, language, shared, most)
+        self.add_file_links(languages, shared, most)
         self.controller.machine.announce_restart()
         self._send_events()
 
@@ -140,7 +139,12 @@ class App:
             except MemoryError:
                 return
 
-    def _add_link(self, feature, languages, language, shared, most):
+    def add_file_links(self, *made):
+        """Add the links that features bring, whose bytes come from a file. `made`: languages, shared objects, and lines at a time of the others."""
+        for name, language in getattr(self.board.get("additions"), "file_links", ()):
+            self._add_link(self.controller.features[name], language, *made)
+
+    def _add_link(self, feature, language, languages, shared, most):
         """A link that a feature brings: it speaks as the first one of its language."""
         index, number = [link["protocol"] for link in self.board["links"]].index(language), len(self.links)
         config = dict(self.board["links"][index], name=self.controller.machine.links[number])

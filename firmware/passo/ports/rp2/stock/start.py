@@ -30,6 +30,12 @@ def drop(name, empty=True):
             module.__dict__.clear()
 
 
+def drop_builder():
+    """Drop the modules by which the app is made."""
+    drop("passo.config.setting_numbers", False)
+    drop("passo.machine_builder")
+
+
 class Start(start.Start):
     fits = True
 
@@ -53,19 +59,29 @@ class Start(start.Start):
         if code:
             code.finish()
             self._said = code.text()
-        for name in [name for name in sys.modules if name.rpartition("stock")[2] in _OF_LOADING]:
-            drop(name)
+            for name in [name for name in sys.modules if name.rpartition("stock")[2] in _OF_LOADING]:
+                drop(name)
         return self._said
 
     def port(self, board):
+        """Return the Port. The app will be made next: what that needs is dropped before its last step, the links of stored jobs."""
         made = start.Start.port(self, board)
         drop("passo.ports.rp2.clock", False)
+        App = sys.modules["passo.app"].App
+        real = App.add_file_links
+
+        def add_file_links(*made):
+            drop_builder()
+            App.add_file_links = real
+            real(*made)
+
+        App.add_file_links = add_file_links
         return made
 
     def settle(self, app):
         """Drop what only the making of the app needed."""
         pieces.offer(())
-        drop("passo.config.setting_numbers", False)
-        drop("passo.machine_builder")
         drop(getattr(app.board.pop("additions", None), "lines", None), False)
-        start.Start.settle(self, app)
+        settle = start.Start.settle
+        globals().clear()  # of this module, too, nothing is needed any more
+        settle(self, app)
