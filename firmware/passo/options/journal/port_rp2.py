@@ -38,7 +38,7 @@ class _Watched:
 
 
 class Pages:
-    """Each block is a file; the first start makes all of them, in 0.3 s."""
+    """Each block is a file. Its first erase makes it, in 70 ms, after the board's first answer."""
 
     BLOCKS = 4
     SLOTS = 128
@@ -48,10 +48,15 @@ class Pages:
         self._page = bytearray(b"\xff" * FLASH_PAGE)
         self._view = memoryview(self._page)
         self._record = bytearray(JOURNAL_BYTES)
+        self._numbers = [-1] * self.BLOCKS  # of their blocks; −1: there is no such file yet
+        self._find_blocks()
+
+    def make_files(self):
+        """Make all files that are not there yet. Raises OSError."""
         for number in range(self.BLOCKS):
             if not has_file(number):
                 self._make_file(number)
-        self._numbers = self._find_blocks()
+        self._find_blocks()
 
     def _make_file(self, number):
         """Make the file of a block, erased, in 70 ms. Raises OSError."""
@@ -61,19 +66,20 @@ class Pages:
         os.sync()
 
     def _find_blocks(self):
-        """Return the flash blocks of the files: littlefs reads the last byte of each."""
+        """Find the flash blocks of the files: littlefs reads the last byte of each."""
         blocks = _Watched(self._flash)
         files = vfs.VfsLfs2(blocks, readsize=JOURNAL_BYTES)
-        found = []
         for number in range(self.BLOCKS):
-            with files.open(_NAME % number, "rb") as file:
-                file.seek(FLASH_BLOCK - 1)
-                file.read(1)
-                found.append(blocks.last)
-        return found
+            if has_file(number):
+                with files.open(_NAME % number, "rb") as file:
+                    file.seek(FLASH_BLOCK - 1)
+                    file.read(1)
+                    self._numbers[number] = blocks.last
 
     def read(self, block, slot):
-        """Return the 32 bytes of a slot, good until the next call."""
+        """Return the 32 bytes of a slot, good until the next call; b"" if there is no such file yet."""
+        if self._numbers[block] < 0:
+            return b""
         self._flash.readblocks(self._numbers[block], self._record, slot * JOURNAL_BYTES)
         return self._record
 
@@ -85,8 +91,12 @@ class Pages:
         self._view[at : at + JOURNAL_BYTES] = b"\xff" * JOURNAL_BYTES
 
     def erase_block(self, block):
-        """Erase a block."""
-        self._flash.ioctl(IOCTL_ERASE, self._numbers[block])
+        """Erase a block, or make its file. Raises OSError if there is no room for it, MemoryError."""
+        if self._numbers[block] < 0:
+            self._make_file(block)
+            self._find_blocks()
+        else:
+            self._flash.ioctl(IOCTL_ERASE, self._numbers[block])
 
 
 def create(board, port, inputs, outputs):

@@ -2,6 +2,7 @@
 of its own."""
 
 import gc
+import sys
 
 import rp2
 from micropython import const
@@ -9,6 +10,31 @@ from micropython import const
 from passo.ports import start
 
 _COLLECT = const(100_000)  # bytes taken until garbage is collected: a router has 84 kB in one piece then instead of 44; with 80 000 it starts 20 ms later
+_OF_CHECK = ("board", "passo.config.boardfile", "passo.config.chip_pins")
+
+
+def drop(name, empty=True):
+    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again. `empty`: clear its globals, too,
+    because a stale word on the stack that points to one of its functions would keep all of them. False: its functions are still used."""
+    module = sys.modules.pop(name, None)
+    if module:
+        package, _, short = name.rpartition(".")
+        if package:
+            delattr(sys.modules[package], short)
+        if empty:
+            module.__dict__.clear()
+
+
+def drop_builder():
+    """Drop the modules by which the app is made."""
+    drop("passo.config.setting_numbers", False)
+    drop("passo.machine_builder")
+
+
+def drop_check():
+    """Drop the modules by which the board file is checked."""
+    for name in [name for name in sys.modules if name in _OF_CHECK or name[:14] == "passo.options." and ".manifest" in name]:
+        drop(name)
 
 
 class Start(start.Start):
@@ -27,7 +53,8 @@ class Start(start.Start):
         gc.threshold(_COLLECT)
 
     def load(self, board):
-        """Import what the Port of this board will ask for."""
+        """Drop the modules of the check, and import what the Port of this board will ask for."""
+        drop_check()
         from passo.ports.rp2 import port
 
         port.load(board)
@@ -37,7 +64,9 @@ class Start(start.Start):
         return self._said
 
     def settle(self, app):
-        """From here on collect only when memory is used up: a collection takes some 30 ms."""
+        """Drop what only the making of the app needed. From here on collect only when memory is used up: a collection takes some 30 ms."""
+        drop_builder()
+        drop(getattr(app.board.pop("additions", None), "lines", None), False)
         gc.threshold(-1)
         start.Start.settle(self, app)
 
@@ -50,6 +79,7 @@ class Start(start.Start):
         from passo.ports.rp2 import clock
 
         clock.set_mhz(board["clock_mhz"])
+        drop("passo.ports.rp2.clock", False)
         from passo.ports.rp2.port import Port
 
         return Port(board)

@@ -14,26 +14,7 @@ from passo.ports.rp2.stock import pieces  # isort: skip
 from passo.ports.rp2 import start  # isort: skip
 
 _COLLECT = const(56_000)  # bytes taken while code is loaded until garbage is collected: objects that stay lie close together
-_OF_CHECK = ("board", "passo.config.boardfile", "passo.config.chip_pins")
 _OF_LOADING = (".flash_code", ".flash_names", "_flash_names", ".reserve")  # the parts after "stock" in the names of modules
-
-
-def drop(name, empty=True):
-    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again. `empty`: clear its globals, too,
-    because a stale word on the stack that points to one of its functions would keep all of them. False: its functions are still used."""
-    module = sys.modules.pop(name, None)
-    if module:
-        package, _, short = name.rpartition(".")
-        if package:
-            delattr(sys.modules[package], short)
-        if empty:
-            module.__dict__.clear()
-
-
-def drop_builder():
-    """Drop the modules by which the app is made."""
-    drop("passo.config.setting_numbers", False)
-    drop("passo.machine_builder")
 
 
 class Start(start.Start):
@@ -46,8 +27,7 @@ class Start(start.Start):
 
     def load(self, board):
         """Drop what only the check of the board file needs, make the largest arrays and the buffers of links and files, then import the port."""
-        for name in [name for name in sys.modules if name in _OF_CHECK or name[:14] == "passo.options." and ".manifest" in name]:
-            drop(name)
+        start.drop_check()
         from passo.ports.rp2.stock.reserve import reserve
 
         self._code.borrow(reserve(board))
@@ -60,18 +40,20 @@ class Start(start.Start):
             code.finish()
             self._said = code.text()
             for name in [name for name in sys.modules if name.rpartition("stock")[2] in _OF_LOADING]:
-                drop(name)
+                start.drop(name)
         return self._said
 
     def port(self, board):
         """Return the Port. The app will be made next: what that needs is dropped before its last step, the links of stored jobs."""
         made = start.Start.port(self, board)
-        drop("passo.ports.rp2.clock", False)
+        pages = getattr(made, "pages", None)
+        if pages:  # of a journal: later there may be no memory to make them
+            pages.make_files()
         App = sys.modules["passo.app"].App
         real = App.add_file_links
 
         def add_file_links(*made):
-            drop_builder()
+            start.drop_builder()
             App.add_file_links = real
             real(*made)
 
@@ -79,9 +61,8 @@ class Start(start.Start):
         return made
 
     def settle(self, app):
-        """Drop what only the making of the app needed."""
+        """Take back arrays that nobody has asked for, and drop this module, too."""
         pieces.offer(())
-        drop(getattr(app.board.pop("additions", None), "lines", None), False)
         settle = start.Start.settle
         globals().clear()  # of this module, too, nothing is needed any more
         settle(self, app)
