@@ -13,7 +13,7 @@ from micropython import const
 from passo.arrays import numbers
 from passo.motion.line import MAX_RUN
 from passo.records import MARKS, MARK_FIELDS, TICKS_PER_MS
-from passo.steps.power import Power, power_items
+from passo.steps.power import Power
 
 _FEW = const(8)  # marks of power that nothing shows
 _EACH_SEGMENT = const(128)  # marks: one a segment at most
