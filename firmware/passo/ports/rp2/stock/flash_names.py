@@ -28,8 +28,6 @@ Of MicroPython 1.26 to 1.29 is known (py/qstr.h, py/mpstate.h):
 import micropython
 from micropython import const
 
-# ruff: noqa: F821 (types of viper)
-
 _SLOTS = const(2048)  # a power of two, more than there are names
 _NUMBERS = const(8192)  # bytes before them
 _COUNT = const(3072)  # the index of their count, in words
