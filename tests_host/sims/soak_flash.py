@@ -11,7 +11,6 @@ import io
 import os
 
 from host_tools.sim.pages import PowerCut
-from passo import memory
 from passo.options.jobs import config as job_store
 
 BLOCK = 4096
@@ -45,12 +44,12 @@ class Flash:
 
     def mount(self):
         job_store.os = self
-        memory.open = self.open
+        job_store.open = self.open
 
     @staticmethod
     def unmount():
         job_store.os = os
-        vars(memory).pop("open", None)
+        vars(job_store).pop("open", None)
 
     def cut_after(self, count):
         self._left = count

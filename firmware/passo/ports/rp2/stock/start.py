@@ -44,7 +44,7 @@ class Start(start.Start):
         return self._said
 
     def port(self, board):
-        """Return the Port. The app will be made next: what that needs is dropped before its last step, the links of stored jobs."""
+        """Return the Port. The app comes next: the builder is dropped before its last step, the links of stored jobs."""
         made = start.Start.port(self, board)
         pages = getattr(made, "pages", None)
         if pages:  # of a journal: later there may be no memory to make them
@@ -54,10 +54,10 @@ class Start(start.Start):
 
         def add_file_links(*made):
             start.drop_builder()
-            App.add_file_links = real
+            setattr(App, "add_file_links", real)
             real(*made)
 
-        App.add_file_links = add_file_links
+        setattr(App, "add_file_links", add_file_links)
         return made
 
     def settle(self, app):
