@@ -19,7 +19,7 @@ from passo.config.settings import Settings
 from passo.control.links import HARMLESS, NEVER_WAITS, RIGHTS
 from passo.control.motors import Motors
 from passo.errors import LATER
-from passo.records import COUNT_MASK, DOTS_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_MS, TICKS_PER_S
+from passo.records import COUNT_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_MS, TICKS_PER_S
 from passo.steps.ring import Ring, power_room, ring_size
 from passo.steps.word import us_to_ticks
 
@@ -161,12 +161,9 @@ class App:
         least = self.player.min_word_ticks
         builder.check_speed(board, least)
         settings.limit_steps(min(TICKS_PER_S // (2 * least), self.ring.size * _CALLS_S // 2))
-        burn = None
-        if self.ring.power.marks[DOTS_MASK]:
-            from passo.steps.dots_viper import burn
         setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
         short = 2 * TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # on a chip, whose interrupt makes words in time
-        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn, short)
+        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, builder.burner(board), short)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
         self._motors.release()
         return Queue(board, self.planner, self.feeder, self.player, self.port)

@@ -52,7 +52,6 @@ def load_all(board):
     for asked, modules in (
         (True, _OF_ALL),
         ("program" in names, _OF_PROGRAM),
-        (homing and homing["latch"], ("control.quality",)),
         (homing and "veto" not in getattr(board.get("additions"), "parts", ()), ("ports.limit_watch",)),
     ):
         for module in modules if asked else ():
@@ -175,6 +174,12 @@ def queue(board, streamed):
 def more_settings(languages):
     """Return the languages' (modules) additions to the settings: functions (board, table)."""
     return [language.settings for language in languages if hasattr(language, "settings")]
+
+
+def burner(board):
+    """Return the function that marks rows of dots, an option's; None if the tool takes none."""
+    name = getattr(board.get("additions"), "burn", None)
+    return __import__(name, None, None, ("burn",)).burn if name else None
 
 
 def guard_mask(board, languages, settings):

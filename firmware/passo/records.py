@@ -289,7 +289,7 @@ POWER_WORD = const(14)  # the bit from which on stands the word that it counts f
 POWER_WORDS = const(0xFFFF)
 POWER_LEVEL = const(0x3FFF)  # mask of its level, 0 … POWER_MOST << POWER_FINE
 POWER_MOST = const(1000)
-POWER_AHEAD = const(9)  # words that a Pico has to have as a mark's begins, that one included: ports/rp2/laser_player.py
+POWER_AHEAD = const(9)  # words that a Pico has to have as a mark's begins, that one included: options/spindle_pwm/port_rp2.py
 POWER_FINE = const(4)  # bits of a mark behind the thousandths: in a ramp 1 % of a weak dot is less than one
 POWER_UNKNOWN = const(32_000)
 # In ROW_POWER and BATCH_POWER, above ten bits: of ROW_POWER a scale, what each dot counts in thousandths.

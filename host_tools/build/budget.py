@@ -8,7 +8,6 @@ from host_tools.failure import Failure
 from host_tools.language import _
 from passo.config.board_error import options_by_value
 from passo.config.boardfile import pin_claims
-from passo.steps.ring import power_room
 
 PICO_PINS = (*range(23), 26, 27, 28)  # that a Pico brings out
 RP2_BLOCKS = {"rp2040": 2, "rp2350": 3}
@@ -32,7 +31,7 @@ PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 124, "keys": 124, "plotter": 124}
 ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and the code that burns them
+FRAMES_KB, JOB_KB, KINEMATICS_KB = 6, 10, 2
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
@@ -74,7 +73,7 @@ def heap_kb(board):
     taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board.get("network") or {}).get("broker"))
-    taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
+    taken += KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     return taken + JOB_KB * bool(board.get("jobs")) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 

@@ -23,7 +23,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from passo import machine_builder
-from passo.config.board_error import OF_INPUT, OF_OUTPUT, options_by_value
+from passo.config.board_error import options_by_value, options_wanted
 from passo.config.boardfile import check
 
 from host_tools import boards
@@ -78,7 +78,7 @@ COLD = (
     "passo/options/gantry/drive_viper.py",
     "passo/ports/chip_port.py",
     "passo/ports/latch.py",
-    "passo/ports/rp2/console.py",
+    "passo/ports/rp2/line_usb.py",
     "passo/ports/rp2/stock/flash_code.py",
     "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
@@ -109,7 +109,6 @@ _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 408
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 OPTIONS = Path("passo", "options")  # a folder a key of the board file: only boards with the key have it
-OF_LASER = Path("passo", "steps", "dots_viper.py")  # only boards with a laser have it
 
 
 def module_files(firmware=FIRMWARE):
@@ -147,8 +146,8 @@ def options_of(board, firmware=FIRMWARE):
             if not (firmware / OPTIONS / option / MANIFEST).is_file():
                 raise Failure("the language {} asks for the option {}, which is not here", language, option)
             asked.append(option)
-    for name in options_by_value(board):
-        if name not in asked and not name.startswith((OF_OUTPUT, OF_INPUT)):  # these may be some that no option sees to
+    for name in options_wanted(board):
+        if name not in asked:
             raise Failure("the board file asks for the option {}, which is not here", name)
     while asked:
         key = asked.pop()
@@ -234,12 +233,10 @@ def select_modules(board, firmware=FIRMWARE, spared=None):
     if the chip or a protocol is unknown."""
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
-    laser = (board.get("spindle") or {}).get("laser")
-    absent = () if laser else (OF_LASER,)
     options = options_of(board, firmware)
     wanted = {link["protocol"] for link in board.get("links", [])}
     spoken = {"", *wanted, *(link.get("port", "") for link in board.get("links", []))}  # "page" is a port
-    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and option_of(path) in options]
     known = {language_name(path) for path in files} - {None}
     if any(link.get("frames") for link in board.get("links", [])):
         wanted.add(FRAMES)

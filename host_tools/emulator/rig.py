@@ -73,7 +73,7 @@ print(feeder.late, turns, feeder.position(player.words_played()))
 """
 FIRST_PIN, ENABLE_PIN = 2, 15
 _LEAD_TICKS = 150_000
-_TIMER_LEAST_TICKS = 500  # timer_player.SHORTEST_TICKS: that module is for a board only
+_TIMER_LEAST_TICKS = 500  # SHORTEST_TICKS of options/player_timer: that module is for a board only
 
 
 def router_board(axes=3, **changes):

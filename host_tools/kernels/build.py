@@ -20,17 +20,19 @@ RUNTIME = (Path(__file__).parent / "runtime.c").read_text(encoding="utf-8")
 STEPS = (
     "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
     "passo.motion.integers", "passo.ports.rp2.pio_player",
-    "passo.steps.dots_viper", "passo.steps.power",
+    "passo.options.spindle_pwm.steps_viper", "passo.steps.power",
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and their imports
-LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # they call kernels of the planner
+# they call kernels of the planner
+LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches", "passo.options.spindle_pwm.language_grbl"
 # In a UF2 these kernels are one module, which is copied into memory. The other kernels of `steps`, and those of a laser's dots, stay in flash.
 HOT = (
     "passo.motion.block_viper.plan_block", "passo.motion.look_ahead_viper.plan_lines", "passo.motion.ramp_viper.begin", "passo.motion.ramp_viper.cut",
+    "passo.options.spindle_pwm.language_grbl.read_dots",
     "passo.protocols.grbl.lines.buffer_bytes", "passo.protocols.grbl.take_viper.take_lines", "passo.steps.pace_viper.repay",
     "passo.steps.power.take_marks", "passo.steps.segments_viper.make",
 )  # fmt: skip
-LASER = "passo.steps.dots_viper", "passo.ports.rp2.laser_player"
+LASER = "passo.options.spindle_pwm.steps_viper", "passo.options.spindle_pwm.port_rp2"
 STAYING = "calm", "laser"  # modules that run from flash
 _IMPORT = re.compile(r"^( *)from (passo[.\w]+) import (\w+(?:, \w+)*)$", re.MULTILINE)
 Compiled = namedtuple("Compiled", "texts modules by pointers")

@@ -176,7 +176,17 @@ class Program:
         text = self.texts[kernel.path]
         shared = re.search(r"^# Shared with interrupts: (\w+(?:, \w+)*)", text, re.MULTILINE)
         usual = re.findall(r"^# `(\w+)` is usually ([\w.]+)", text, re.MULTILINE)
-        return {name for name, _ in kernel.arguments} & set(shared[1].split(", ") if shared else ()), dict(usual)
+        return {name for name, _ in kernel.arguments} & set(shared[1].split(", ") if shared else ()), {**dict(usual), **self._usual_of_others.get(kernel.module, {})}
+
+    @cached_property
+    def _usual_of_others(self):
+        """{module: {argument of its kernels: the kernel that it usually is}}, as the modules of those kernels say: an option's, which the caller does not
+        name."""
+        found = {}
+        for module, path in self.paths.items():
+            for name, caller in re.findall(r"^# `(\w+)` of ([\w.]+) is usually this one$", self.texts[path], re.MULTILINE):
+                found.setdefault(caller, {})[name] = f"{module}.{name}"
+        return found
 
     def modules_loaded_with(self, modules):
         """Return these modules, and all that they import when they are imported."""

@@ -23,7 +23,6 @@ from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
 from passo.protocols.gcode.words import longest_line
-from passo.steps.dots_viper import end_of
 
 OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
 _CLEARANCE_MM = 1.0
@@ -316,6 +315,8 @@ class Replay:
             raise Failure("a row of dots in G93 cannot be gone on with amid its way; begin at its line with --from")
         long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
         span = motion.target[long] - start[long]
+        from passo.options.spindle_pwm.steps_viper import end_of  # here: few programs have rows of dots
+
         row = self._gcode.words.row
         values = [level * self._gcode.max_rpm / 1_000_000 for level in row] if self._gcode.words.packed else [value / 1000 for value in row]
         powers = [f"{value:.3f}".rstrip("0").rstrip(".") for value in values]

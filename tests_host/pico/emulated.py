@@ -57,9 +57,13 @@ def make_machine(uf2):
         machine.close()
 
 
+PWM_PIN = 20
+SPINDLE = {"max_rpm": 1000, "pwm": True, "pin": PWM_PIN, "pwm_hz": 5000}
+
+
 @lru_cache
-def _rig(uf2, player):  # a fixture imported into two modules is two fixtures
-    return Rig(router_board(3, player=player, inputs=INPUTS), uf2)
+def _rig(uf2, player, pwm=False):  # a fixture imported into two modules is two fixtures
+    return Rig(router_board(3, player=player, inputs=INPUTS, **({"spindle": SPINDLE} if pwm else {})), uf2)
 
 
 @pytest.fixture(scope="session")
@@ -72,6 +76,12 @@ def rig(uf2):
 def timer_rig(uf2):
     """The same, its pins driven by the timer player."""
     return _rig(uf2, "timer")
+
+
+@pytest.fixture(scope="session")
+def pwm_rig(uf2):
+    """The same as `rig`, with a PWM output."""
+    return _rig(uf2, "pio", True)
 
 
 @lru_cache

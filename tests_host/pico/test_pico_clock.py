@@ -1,7 +1,7 @@
 """The emulated Pico at each clock that a board file may ask for: pulses, serial lines, timers and PWM are the same."""
 
 import pytest
-from emulated import make_machine, rig, timer_rig, uf2  # noqa: F401
+from emulated import PWM_PIN, SPINDLE, make_machine, pwm_rig, rig, timer_rig, uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.emulator import native, system_clock
@@ -28,8 +28,7 @@ def took():
         pass
     return ticks_us() - begun
 """
-PWM_PIN, PROBE_PIN = 20, 21
-SPINDLE = {"max_rpm": 1000, "pwm": True, "pin": PWM_PIN, "pwm_hz": 5000}
+PROBE_PIN = 21
 LINES = [((1200, 800, -700), 100_000), ((-4800, -4000, 4000), 400_000)]
 CLOCKS = [pytest.param(125, marks=pytest.mark.slow), pytest.param(150, marks=pytest.mark.slow), 200]
 MHZ = pytest.mark.parametrize("mhz", CLOCKS)
@@ -66,12 +65,13 @@ def test_pulses_and_answers(rig, mhz, show):
 
 
 @pytest.mark.on_a_copy
-@pytest.mark.xdist_group("rig")
+@pytest.mark.xdist_group("pwm")
 @MHZ
-def test_time_and_pwm(rig, mhz):
-    at_clock(rig, mhz, spindle=SPINDLE)
-    wave, probe = rig.pico.record_edges(PWM_PIN), rig.pico.record_edges(PROBE_PIN)
-    rig.pico.exec(
+def test_time_and_pwm(pwm_rig, mhz):  # noqa: F811
+    at_clock(pwm_rig, mhz, spindle=SPINDLE)
+    pico = pwm_rig.pico
+    wave, probe = pico.record_edges(PWM_PIN), pico.record_edges(PROBE_PIN)
+    pico.exec(
         "from machine import Pin, Timer\n"
         "port.power(250)\n"
         f"probe, fired = Pin({PROBE_PIN}, Pin.OUT, value=0), []\n"
@@ -84,7 +84,7 @@ def test_time_and_pwm(rig, mhz):
     )
     (rise, _), (fall, _) = probe[-2:]
     assert (fall - rise) / CYCLES_PER_US == pytest.approx(20_000, abs=60), "the microseconds of the firmware"
-    fired = eval(rig.pico.exec("print(fired)"))
+    fired = eval(pico.exec("print(fired)"))
     assert (fired[-1] - fired[0]) / (len(fired) - 1) == pytest.approx(3000, abs=40) and len(fired) in (6, 7)
     rises = [cycle for cycle, state in wave if state == 1]
     falls = [cycle for cycle, state in wave if state == 0 and cycle > rises[0]]

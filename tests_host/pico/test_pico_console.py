@@ -9,7 +9,7 @@ from emulated import uf2  # noqa: F401
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.resources import FIRMWARE
 
-MODULES = ("passo/ports/usb_line.py", "passo/ports/rp2/console.py")
+MODULES = ("passo/ports/usb_line.py", "passo/ports/rp2/line_usb.py")
 PACKAGES = ("passo", "passo/ports", "passo/ports/rp2")
 FIRST = 40  # bytes
 LIMIT_US = 20_000_000
@@ -17,7 +17,7 @@ READ = """
 import hashlib
 from time import ticks_us
 from passo.ports.usb_line import UsbLine
-from passo.ports.rp2.console import Console
+from passo.ports.rp2.line_usb import Console
 console = Console()
 if {ring}:
     console._fifo = 0

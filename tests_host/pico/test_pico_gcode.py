@@ -13,7 +13,7 @@ from host_tools.emulator import gcode
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.pico import EmulatedPico
 from passo import records
-from passo.protocols.gcode import parse_records, parse_viper, row_dots_viper
+from passo.protocols.gcode import parse_records, parse_viper
 from test_pico_digest import compiled
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
@@ -48,7 +48,7 @@ FAR = (
     "    rows = array('i', [0] * 80)\n"
     "    at = 0\n"
     "    while at < len(text):\n"
-    "        count = parse(text, at, len(text), place, rows, rows, 1)\n"
+    "        count = parse(text, at, len(text), place, rows, rows, None, 1)\n"
     "        print(count, list(place), list(rows))\n"
     "        at = text.find(b'\\n', at) + 1 if not count else place[%d]\n" % parse_records.PARSE_AFTER
 )
@@ -74,9 +74,7 @@ def test_far_lines_are_read_as_on_a_pc(uf2):
     here = io.StringIO()
     with contextlib.redirect_stdout(here):
         exec(code, {"parse": parse_viper.parse_lines})
-    modules = {"passo/records.py": records, "parse_viper.py": parse_viper}
-    for module in (parse_records, row_dots_viper):
-        modules[module.__name__.replace(".", "/") + ".py"] = module
+    modules = {"passo/records.py": records, "parse_viper.py": parse_viper, "passo/protocols/gcode/parse_records.py": parse_records}
     files = compiled({path: Path(module.__file__) for path, module in modules.items()})
     files["passo/__init__.py"] = b""
     code = "from parse_viper import parse_lines as parse\n" + code

@@ -8,6 +8,7 @@ from passo import commands
 from passo.batch import Lines as Batch
 from passo.commands import thousandths
 from passo.protocols.grbl.lines import ARC, Lines
+from passo.options.spindle_pwm.language_grbl import read_dots
 from passo.protocols.grbl.take_viper import take_lines
 from passo.protocols.gcode.parse_records import (
     LINES_AT, LINES_TAKEN, LINES_WAITS, PARSE_ARC, PARSE_ARCS, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW,
@@ -150,7 +151,7 @@ class Straight(Machine):
         if not gcode.open_rows(batch):
             return 0
         travel = self.travel_fields
-        count = take_lines(b"", 0, lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, most, travel, self.accept, travel, travel, travel, travel, travel)
+        count = take_lines(b"", 0, lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, read_dots, most, travel, self.accept, travel, travel, travel, travel, travel)
         if count == ARC:
             count = lines.fields[LINES_TAKEN]
             if gcode.take_arc(batch):
@@ -337,9 +338,10 @@ def check_several_at_once(seed):
 
 def check_machine_code(seed):
     """The same arrays from the same bytes, as machine code and as bytecode."""
+    from passo.options.spindle_pwm import language_grbl
     from passo.protocols.gcode import parse_viper as module
 
-    parse = plain(module)["parse_lines"]
+    ways = ((plain(module)["parse_lines"], plain(language_grbl)["read_dots"]), (module.parse_lines, read_dots))
     random = Random(seed)
     place = array("i", [4, 0, 1, 10_000, 0, 0, 0, 0, 0, -5_000_000, 9, 7, 250_000, 83_333, 400_000, 53_333] + [0] * (PARSE_FIELDS - 16))
     place[PARSE_NAMED] = random.between(3, 4)
@@ -361,7 +363,7 @@ def check_machine_code(seed):
             numbers[PARSE_INCHES] = inches
             numbers[PARSE_FULL] = full
             numbers[PARSE_ARCS] = relative
-        done = [read(text, 3, len(text), *side, most) for read, side in zip((parse, module.parse_lines), sides)]
+        done = [parse(text, 3, len(text), *side, read, most) for (parse, read), side in zip(ways, sides)]
         assert done[0] == done[1] and sides[0] == sides[1], text
 
 

@@ -17,6 +17,7 @@ _TESTS = Path(__file__).resolve().parents[1].name
 _TEXTS = {
     "": r"unknown key '(\w+)'|asks for the option (\w+)|protocol: '(\w+)' is none of",
     "drive_": r"drive\.kind: '(\w+)' is none of",
+    "player_": r"player: '(\w+)' is none of",
     "boards.": r"unknown board '(\w+)'|[Nn]o module named '(?:boards\.)?(\w+)'",
 }
 

@@ -35,9 +35,9 @@ SEQUENCES = {
     ("passo/ports/esp32/frames_viper.py", "frames"): "the next frames",
     ("passo/ports/esp32/frames_viper.py", "table"): "frames of 128 levels, and of 128 behind them",
     ("passo/ports/esp32/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
-    ("passo/ports/rp2/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
+    ("passo/options/player_timer/port_rp2.py", "table"): "pins of 128 levels, and of 128 behind them",
     # Pointers to one register, to one pointer, to an object's type, or to a table.
-    ("passo/ports/rp2/laser_player.py", "compare"): "a PWM slice's CC",
+    ("passo/options/spindle_pwm/port_rp2.py", "compare"): "a PWM slice's CC",
     ("passo/ports/rp2/pio_player.py", "abort"): "CHAN_ABORT",
     ("passo/ports/rp2/pio_player.py", ""): "the first run of a table",
     ("passo/ports/rp2/port.py", ""): "GPIO_IN",
@@ -48,8 +48,8 @@ SEQUENCES = {
     ("passo/options/output_p/port_rp2.py", ""): "a PIO block's INTE",
     ("passo/options/output_p/port_rp2.py", "pins"): "GPIO_OUT",
     ("passo/options/output_p/port_rp2.py", "toggle"): "GPIO_OUT_XOR",
-    ("passo/ports/rp2/timer_player.py", "pins"): "GPIO_OUT",
-    ("passo/ports/rp2/timer_player.py", "toggle"): "GPIO_OUT_XOR",
+    ("passo/options/player_timer/port_rp2.py", "pins"): "GPIO_OUT",
+    ("passo/options/player_timer/port_rp2.py", "toggle"): "GPIO_OUT_XOR",
 }
 # To be emptied: files and functions that are too long, and classes that are a file cut at a number.
 LONG_FILES = set()

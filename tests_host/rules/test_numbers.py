@@ -96,7 +96,7 @@ def test_the_page_of_the_timer_has_its_numbers():
     """The fastest rate is that of the player's shortest word; edges and the processor's share are those of the bench's table."""
     root = PASSO.parents[1]
     page = (root / "docs" / "use" / "timer.md").read_text(encoding="utf-8")
-    source = (root / "firmware" / "passo" / "ports" / "rp2" / "timer_player.py").read_text(encoding="utf-8")
+    source = (root / "firmware" / "passo" / "options" / "player_timer" / "port_rp2.py").read_text(encoding="utf-8")
     ticks = int(re.search(r"SHORTEST_TICKS = const\((\d+)\)", source).group(1))
     assert f"{12_500 // ticks} kHz: a word of {ticks * 80 // 1000} µs" in page
     bench = (root / "docs" / "reference" / "benchmarks.md").read_text(encoding="utf-8")

@@ -20,7 +20,7 @@ from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.build.reference import load_manifests
 from host_tools.resources import FIRMWARE, ROOT
-from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, nearest, options_by_value
+from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, nearest, options_by_value, options_wanted
 from passo.config.boardfile import check
 
 OPTIONS = sorted(load_manifests())
@@ -117,7 +117,7 @@ def test_an_option_can_be_deleted(option, whole, tmp_path):
             assert set(files[name]) - set(left[name]) >= {str(tree.OPTIONS / each / tree.MANIFEST) for each in outputs}, (name, SEED)
         elif asked or by_value or gone & spoken(board):
             said = [f"unknown key '{key}'" for key in asked] + [f"asks for the option {each}" for each in by_value | gone & spoken(board)]
-            said += [f"'{each.partition('_')[2]}' is none of step_dir" for each in by_value]
+            said += [f"{key}: '{each.partition('_')[2]}' is none of" for each, (key, _) in options_wanted(board).items() if each in gone]
             assert isinstance(left[name], str) and any(text in left[name] for text in said), (name, SEED)
         else:
             assert left[name] == files[name], (name, SEED)

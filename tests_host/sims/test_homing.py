@@ -11,9 +11,7 @@ from host_tools.sim.machine import VirtualMachine
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
-from passo.control.quality import Quality
 from passo.options.gantry.errors import SQUARED
-from passo.protocols.grbl.homing import homing_lines
 
 PULL_OFF = 640
 RACK = 200
@@ -242,28 +240,3 @@ def test_what_cannot_be_is_refused(keys, said):
     with pytest.raises(BoardError) as refused:
         check(wrong)
     assert said in str(refused.value)
-
-
-class Edges:
-    """A seeker as Quality reads it: its sensors' edges, the start of its run, the distance of its end from the edge."""
-
-    def __init__(self, start, edge):
-        self.axis, self.sensors, self.away = 0, [None], 1
-        self.start, self.edges, self.ends = start, [edge], [100]
-
-
-@pytest.mark.quick
-def test_the_judgement_is_of_the_edges_themselves():
-    """Each run begins at the end of the one before: the judgement is of the edges' places, not of the distances run."""
-    for edges, wanted in (
-        ([7, 10, 11, 10, 11, 10, 11], "[HOM:x,6,1,0.55,good]"),
-        ([7, 10, 14, 9, 13, 10, 12], "[HOM:x,6,5,1.97,scatters: lower $24, raise $26, or clean the switch]"),
-        ([7, 10, 12, 14, 16, 18, 20], "[HOM:x,6,10,3.74,drifts +8: steps are lost: lower $25, or acceleration]"),
-    ):
-        quality = Quality()
-        quality.begin(len(edges) - 1)
-        start = 5000
-        for number, edge in enumerate(edges):
-            assert quality.again([[Edges(start, edge)]]) == (number < len(edges) - 1)
-            start = edge + 100
-        assert homing_lines(quality.report()) == wanted + "\r\n"

@@ -330,7 +330,7 @@ def test_the_page_of_a_board_is_small(tmp_path):
 
 def test_what_wants_the_uf2_is_refused_before_it_is_flashed(tmp_path):
     """The message has the memory that it takes, the memory there is, and the cure."""
-    for name, fits in (("router_3axis", False), ("router_esp32", True), ("torch_pico_w", True)):
+    for name, fits in (("router_ballscrew", False), ("router_esp32", True), ("torch_pico_w", True)):
         board = {**boards.load(name), "network": {"host": "passo"}}
         page = {"name": "page", "port": "page", "protocol": board["links"][0]["protocol"]}
         board["links"] = [board["links"][0], page]

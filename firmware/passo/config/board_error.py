@@ -9,7 +9,8 @@ from passo.commands import INPUTS
 _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
 OF_OUTPUT = "output_"  # how the option of outputs of a name is called
 OF_INPUT = "input_"  # of inputs
-OF_DRIVE = "drive_"  # and that of a drive.kind
+# Keys whose values ask for options, such as player_timer, or spindle_pwm if True, and the value that asks for none.
+VALUES = ("drive.kind", "step_dir"), ("player", "pio"), ("homing.latch", False), ("spindle.pwm", False)
 _LIKE = const(50)  # percent of the pairs of letters in two names
 _LONGEST = const(1000)  # characters of a text
 
@@ -41,6 +42,8 @@ class Additions:
         self.parts = {}  # modules for parts of the port beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
         self.drive_module = None  # the module that turns words of all motors into pins
+        self.player_module = None  # it makes the player of the words, see ports/parts.py
+        self.burn = None  # the module whose burn() marks rows of dots, of a tool that takes them
         self.motor_pins = 2  # of each motor: STEP and DIR, or coils
         self.stalls = ""  # names of the axes that home by stall
         self.drives = None  # the board file's section with `motors`, of chips that are set up over a wire
@@ -121,32 +124,48 @@ def names_of(items, part):
     return found
 
 
+def options_wanted(board):
+    """Return {option: (the key that asks for it by its value, the value that asks for none)} of a raw board file; it cannot do without these. Values
+    may be of any type."""
+    found = {}
+    for path, plain in VALUES:
+        section, _, key = path.rpartition(".")
+        part = board.get(section) if section else board
+        value = part.get(key) if isinstance(part, dict) else None
+        if value is True and plain is False:
+            found[section + "_" + key] = path, plain
+        elif isinstance(value, str) and plain and value != plain:
+            found[(section or key) + "_" + value] = path, plain
+    return found
+
+
 def options_by_value(board):
-    """Return the names of the options that a raw board file asks for by a value, not by a key: by the name of an output or input, or
-    by drive.kind. Values may be of any type."""
-    drive = board.get("drive")
+    """Return the names of the options that a raw board file asks for by a value, not by a key: those of options_wanted(), and those of the names
+    of its outputs and inputs, without which it does."""
     names = [OF_OUTPUT + name for name in names_of(board.get("outputs"), 2)] + [OF_INPUT + name for name in names_of(board.get("inputs"), 0)]
-    kind = drive.get("kind") if isinstance(drive, dict) else None
-    if isinstance(kind, str) and kind != "step_dir":  # the core's
-        names.append(OF_DRIVE + kind)
-    return names
+    return names + list(options_wanted(board))
 
 
 def own_rules(board, rules):
     """Return the manifests of the options that the board file asks for, by their keys and by values. Adds their RULES to `rules`.
-    Raises BoardError for a drive that is not here.
+    Raises BoardError for one that it cannot do without and that is not here.
 
     A manifest may have rewrite(raw board), which returns (it, Additions.levels or None); extend(rules); prepare(board), called before pins
     are checked; claims(board), which returns [(pin, who)]; has_bit(pin), True if an output is on no pin of the chip; and check(board)."""
     own = []
+    wanted = options_wanted(board)
     for key in sorted([key for key in board if isinstance(key, str)]) + options_by_value(board):
         if key not in rules and "." not in key:
             try:
                 module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))
             except ImportError:
-                if key.startswith(OF_DRIVE) and key not in board:
-                    known = ["step_dir"] + [name[len(OF_DRIVE) :] for name in folders("passo.options") if name.startswith(OF_DRIVE)]
-                    raise BoardError("%s: %r is none of %s" % ("drive.kind", key[len(OF_DRIVE) :], ", ".join(known)))
+                if key in wanted and key not in board:
+                    path, plain = wanted[key]
+                    if not plain:
+                        raise BoardError("%s: it asks for the option %s, which is not on this board: flash it anew" % (path, key))
+                    start = path.partition(".")[0] + "_"
+                    known = [plain] + [name[len(start) :] for name in folders("passo.options") if name.startswith(start)]
+                    raise BoardError("%s: %r is none of %s" % (path, key[len(start) :], ", ".join(known)))
                 continue
             rules.update(module.RULES)
             own.append(module)

@@ -106,7 +106,7 @@ _BOARD = {
     "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
     "clock_mhz": (int, 0, 0, 400),  # rp2 chips: one of CLOCKS_MHZ; 0: its first
     "psram": (bool, False, 0, 1),  # ESP32: the module has it
-    "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
+    "player": ("pio",),  # rp2 chips: PIO wants consecutive pins; and those of options
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
     "tool": _TOOL,

@@ -67,11 +67,6 @@ class Homing(Feature):
         self._groups = []  # of seekers; those of a group home at once
         self._phases = (self._leave_sensor, self._seek_sensor, self._pull_off, self._locate_edge, self._pull_off)
         self._stage = 0
-        self._quality = None
-        if self._config["latch"]:
-            from passo.control.quality import Quality
-
-            self._quality = Quality()
 
     def handlers(self):
         return {commands.HOME: self._begin_homing}
@@ -97,7 +92,7 @@ class Homing(Feature):
             return errors.DOOR_OPEN
         if machine.motors.detached:
             return errors.NO_MOTORS
-        if command.value & ~self._all or command.power and not self._quality:
+        if command.value & ~self._all or command.power and not machine.quality:
             return errors.NO_HOMING
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return LATER
@@ -111,8 +106,8 @@ class Homing(Feature):
         self._queue.lift()
         self._queue.flush()
         self._lifting = True
-        if self._quality:
-            self._quality.begin(command.power)
+        if machine.quality:
+            machine.quality.begin(command.power)
         return 0
 
     def _go_on_homing(self, now_ms):
@@ -134,7 +129,7 @@ class Homing(Feature):
         homed = machine.command.value
         if machine.squaring:
             machine.squaring.use_both()
-        again = self._quality and self._quality.again(self._groups)
+        again = machine.quality and machine.quality.again(self._groups)
         self._queue.set_origin(homed or -1)
         if again:
             self._begin_search(now_ms)
@@ -143,7 +138,7 @@ class Homing(Feature):
         machine.homed = machine.known == self._all
         if not machine.homed:
             machine.require_homing(" ".join(self._letters_to_home()))
-        machine.finish(self._quality and self._quality.report())
+        machine.finish(machine.quality and machine.quality.rows())
 
     def _make_sensors(self, number):
         """Make the Sensors of an axis: one, or one a side if both its motors are squared."""

@@ -37,12 +37,13 @@ class MachineState:
         self.note = self.log.add  # note(number, who=None): add to the log
         self.veto = getattr(port, "veto", None)  # of the port, if the board file has an option that forbids motion
         self.squaring = None  # homes both sides of an axis, if an option does
+        self.quality = None  # judges how well homing repeats, if an option does
         self.about = ""  # the port's text about itself
         self.awake = True  # something is under way or new: features are polled
         self.homed = False  # each axis with a sensor has been, since the position was lost
         self.known = 0  # mask of the axes that have
         self.cautious = True  # the next motion beyond the reach of soft limits brings a notice
-        self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
+        self.job = None  # the feature that plays commands or points, which counts for the journal; None: lines have numbers of their own
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False  # everything is off until RESET

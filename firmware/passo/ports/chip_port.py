@@ -109,14 +109,12 @@ class ChipPort:
         if link["port"] == "usb":
             from passo.ports.usb_line import UsbLine  # here: not every board has memory for it
 
-            line = UsbLine(self._console())
+            own = parts.of_line(link["port"])
+            line = UsbLine(own and own.create(link))
         else:
             line = UartLine(link)
         self._lines.append(line)
         return line
-
-    def _console(self):
-        """Return a function for the number of bytes that the console has received; None: there is none."""
 
     @micropython.native
     def input(self, name):

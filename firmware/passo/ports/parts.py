@@ -1,4 +1,6 @@
-"""Options' additions to a port: their manifests write the names of the modules into board["additions"]."""
+"""Options' additions to a port: their manifests write the names of the modules into board["additions"]. And modules of the chip's own."""
+
+import sys
 
 
 def load(board, file=None):
@@ -13,6 +15,20 @@ def load(board, file=None):
             module = module.rpartition(".")[0] + "." + file
         found.append((name, _module(module)))
     return found
+
+
+def player(board):
+    """Return an option's module that makes the player of the words; None: the port's own does."""
+    name = getattr(board.get("additions"), "player_module", None)
+    return _module(name) if name else None
+
+
+def of_line(port):
+    """Return what the chip has of its own for lines of a link's port, such as ports/rp2/line_usb.py, which has create(); None: nothing."""
+    try:
+        return _module("passo.ports.%s.line_%s" % (sys.platform, port.rstrip("01")))
+    except ImportError:
+        return None
 
 
 def of_option(option, file):

@@ -20,7 +20,7 @@ class UsbLine:
     the REPL: these two bytes first after a second's silence end the program by KeyboardInterrupt."""
 
     def __init__(self, console=None):
-        """`console`: takes all that has come in one go, as ports/rp2/console.py; None: nothing does."""
+        """`console`: takes all that has come in one go, as ports/rp2/line_usb.py; None: nothing does."""
         self._console = console
         self._whole = None  # the console, once it is proven
         self._poll = poll()

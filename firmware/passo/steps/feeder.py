@@ -29,7 +29,7 @@ _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of directi
 class Feeder(Position):
     def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks, burn=None, short_ticks=0):
         """`drive` turns the step form into pin levels, or is None if the pins take the step form; `setup_ticks` pass between a change of
-        direction and the next step (0 without a DIR pin); `burn`: dots_viper.burn() if the tool takes rows of dots; `short_ticks`: while a
+        direction and the next step (0 without a DIR pin); `burn`: an option's function if the tool takes rows of dots; `short_ticks`: while a
         line is under way, fill() makes words this many ticks less far ahead than `lead_ticks`, so that a hold begins sooner. This does not
         hold for an arc, whose segments are too long. Default: 0."""
         Position.__init__(self, ring, layout, planner, drive)

@@ -3,7 +3,7 @@
     power.play(played)       # what plays the words, or feeds it: `level` is now what the output should show
 
 A mark is a word's number and a value; it counts from the moment that word begins. One producer, one consumer, as with
-the ring: segments_viper.py puts them, one a segment at most, and dots_viper.py one a dot of a row.
+the ring: segments_viper.py puts them, one a segment at most, and an option one a dot of a row.
 
 The dots of rows lie in a ring behind the marks: queueing a row puts them, and the feeder gives them back once words have been made of the row's last step.
 

@@ -45,11 +45,10 @@ def ring_size(steps_s, lead_ticks):
 
 
 def power_room(board):
-    """Return (marks, dots) of a checked board's tool: dots if it is a laser that switches at once."""
-    spindle, tool = board["spindle"], board["tool"]
-    if not spindle["pwm"]:
+    """Return (marks, dots) of a checked board's tool: dots if an option burns rows of them."""
+    if not board["spindle"]["pwm"]:
         return _FEW, 0
-    return (_EACH_DOT, _DOTS) if spindle["laser"] and not (tool["on_ms"] or tool["off_ms"]) else (_EACH_SEGMENT, 0)
+    return (_EACH_DOT, _DOTS) if getattr(board.get("additions"), "burn", None) else (_EACH_SEGMENT, 0)
 
 
 class Ring:

@@ -17,7 +17,7 @@ One text for all interpreters; see motion/block_viper.py. Fields: records.py, FE
 
 `geometry` is None for a wait. An arc has `left`, `moving`, `negative`, `made` and walk(), as Circle has them; independent axes
 and step programs make whole words, as IndependentAxes does. `settle` is Feeder.settle(), called only if something is owed or
-a drive turns steps into levels; `burn` is dots_viper.burn(), called for a row of dots. Returns why it ended:
+a drive turns steps into levels; `burn` is an option's, called for a row of dots. Returns why it ended:
 
     FULL    as much is made as may be now, or there is no room
     STANDS  a hold has come to its stand
@@ -27,7 +27,6 @@ a drive turns steps into levels; `burn` is dots_viper.burn(), called for a row o
 # Shared with interrupts: state, marks, indices, power
 # `cut` is usually passo.motion.ramp_viper.cut
 # `take_up` is usually passo.motion.ramp_viper.begin
-# `burn` is usually passo.steps.dots_viper.burn
 
 import micropython
 from micropython import const

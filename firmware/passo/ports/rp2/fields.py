@@ -1,7 +1,6 @@
-"""The fields of the players' state, by name: each is the index of a field in its array. As in passo/records.py.
+"""The fields of the player's state, by name: each is the index of a field in its array. As in passo/records.py.
 
-    state[PIO_PLAYED]           # PioPlayer, LaserPlayer
-    state[TIMER_PLAYED]         # TimerPlayer
+    state[PIO_PLAYED]           # PioPlayer
 """
 
 from micropython import const
@@ -44,25 +43,3 @@ PIO_STUCK = const(24)  # 1: a register that was waited for never came to its val
 PIO_CYCLES = const(25)  # of the processor, that a pulse lasts
 PIO_LAST = const(26)  # entries of each table of runs − 1
 PIO_FIELDS = const(27)
-
-# The state of the RP2040's timer player, an array('I'). First what does not change.
-TIMER_BLOCK = const(0)  # addresses: PIO block, state machine
-TIMER_MACHINE = const(1)
-TIMER_NUMBER = const(2)  # of the state machine in its block
-TIMER_FIRST = const(3)  # address of the program
-TIMER_WORDS = const(4)  # address of the ring's words
-TIMER_MASK = const(5)  # the ring's size − 1
-TIMER_BITS = const(6)  # of a word's levels
-TIMER_TABLES = const(7)  # address: from levels to pins: 128 entries for the low seven bits, 128 for those above
-TIMER_ALL = const(8)  # mask of the pins of all levels
-TIMER_STEPS = const(9)  # of the pulses
-TIMER_TOOL = const(10)  # of the tool
-TIMER_INVERT = const(11)  # of those whose level is the opposite of the word's
-TIMER_CYCLES = const(12)  # of the processor, that a pulse lasts
-TIMER_PLAYING = const(13)  # as PIO_PLAYING
-TIMER_GIVEN = const(14)  # words given to the state machine, modulo 2²⁹
-TIMER_PLAYED = const(15)  # words whose levels have appeared, modulo 2²⁹
-TIMER_HELD = const(16)  # 1: start() does nothing
-TIMER_TOGGLE = const(17)  # address of the register that turns pins over
-TIMER_HEAD = const(18)  # words of the ring that are published, modulo 2²⁹
-TIMER_FIELDS = const(19)

@@ -35,6 +35,11 @@ _TRIES = const(1000)
 STUCK = RuntimeError("the player's DMA or state machine does not answer")  # here: an interrupt must not make one
 
 
+def create(board, ring, layout, pins, pulse_ticks, min_word_ticks, invert, halt_pin):
+    """Return the player of a checked board; `halt_pin()` is asked for the Pin that halts."""
+    return PioPlayer(ring, layout, pins[0], pulse_ticks, min_word_ticks, invert, halt_pin())
+
+
 class PioPlayer:
     """`base`: pin of the lowest bit; `invert`: mask of bits whose electrical level is the opposite of the word's;
     `pulse_ticks`: 0 for coils; `halt_pin`: a Pin that stops everything while it is high, or None."""

@@ -25,23 +25,18 @@ _LIVE_TICKS = const(8 * 12_500)
 _FAST_BAUD = const(400_000)  # 32 bytes come in less time than one call of the feeder takes
 _TIMERS_ON, _TIMERS_OFF = const(0xE000E100), const(0xE000E180)  # NVIC_ISER and NVIC_ICER
 _TIMERS = const(8)  # TIMER_IRQ_3
-_LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
 
 
 def load(board):
     """Import what a Port of this board will ask for, each by itself: a module that imports others wants memory for all of them."""
     from passo.ports.rp2 import programs  # noqa: F401
 
-    if board["player"] == "timer":
-        from passo.ports.rp2 import timer_player  # noqa: F401
-    else:
+    if board["player"] == "pio":
         from passo.ports.rp2 import pio_player  # noqa: F401
-
-        if board["spindle"]["pwm"]:
-            from passo.ports.rp2 import laser_player  # noqa: F401
+    parts.player(board)
     parts.load(board)
     if "usb" in [link["port"] for link in board["links"]]:
-        from passo.ports.rp2 import console  # noqa: F401
+        parts.of_line("usb")
         from passo.ports import usb_line  # noqa: F401
 
 
@@ -92,9 +87,7 @@ class Port(ChipPort):
             line.count = lambda: self._count_atomically(count)
         # Frames are sent again; an inverter's answer fits into the FIFO.
         if link["port"] != "usb" and not link.get("frames") and "parity" not in link:
-            from passo.ports.rp2.uart_capture import Capture
-
-            line.join(Capture(int(link["port"][4:])))
+            line.join(parts.of_line(link["port"]).create(link))
         return line
 
     @micropython.viper
@@ -139,37 +132,25 @@ class Port(ChipPort):
         return self._player
 
     def _make_player(self, ring, layout, board, pins):
-        """Watch the halting inputs, and build the TimerPlayer, the LaserPlayer (PWM, small ring) or the PioPlayer."""
+        """Watch the halting inputs, and build an option's player, or the PioPlayer."""
         for item in self._halting:
             self.watch(item.pin, Guard(item, self).on_edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
-        pulse_ticks, least = word_times(board)
-        invert = inversion_mask(board, layout)
-        if board["player"] == "timer":
-            from passo.ports.rp2.timer_player import SHORTEST_TICKS, TimerPlayer
+        own = parts.player(board)
+        if own is None:
+            from passo.ports.rp2 import pio_player as own
+        self._player = own.create(board, ring, layout, pins, *word_times(board), inversion_mask(board, layout), self._halt_pin)
+        if hasattr(self._player, "show"):
+            self._laser = self._player
 
-            self._player = TimerPlayer(ring, layout, pins, pulse_ticks, max(least, SHORTEST_TICKS), invert)
-            return
-        halt_pin = None
-        if self._halting:
-            item = self._halting[0]
-            if not item.level:  # the state machine halts at a high level: the chip sees the pin inverted from here on
-                chip.invert_input(item.number)
-                item.level = 1
-            halt_pin = item.pin
-        rest = ring, layout, pins[0], pulse_ticks, least, invert, halt_pin
-        if self._pwm is None or ring.size > _LASER_RING:
-            from passo.ports.rp2.pio_player import PioPlayer
-
-            self._player = PioPlayer(*rest)
-        else:
-            from passo.ports.rp2.laser_player import LaserPlayer
-
-            self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
-
-    def _console(self):
-        from passo.ports.rp2.console import Console
-
-        return Console()
+    def _halt_pin(self):
+        """Return the first halting input's Pin, which a state machine halts at; None if there is none."""
+        if not self._halting:
+            return None
+        item = self._halting[0]
+        if not item.level:  # the state machine halts at a high level: the chip sees the pin inverted from here on
+            chip.invert_input(item.number)
+            item.level = 1
+        return item.pin
 
     def feed_from_interrupt(self, feeder, player):
         self._join(feeder, player)

@@ -52,7 +52,7 @@ def steps(bits, cycles, halt):
 
 
 def levels(bits, cycles, halt, shown=True):
-    """Levels that hold until the next word: coils. Words of at least 2 ticks. Not `shown`: timer_player.py sets the pins."""
+    """Levels that hold until the next word: coils. Words of at least 2 ticks. Not `shown`: the player's interrupt sets the pins."""
     time_bits = 32 - bits
     rest = cycles - 6
 

@@ -51,7 +51,8 @@ PARSE_LAST = const(59)  # the last of them, thousandths
 PARSE_NO_ROOM = const(60)  # 1: parse() has stopped at a row for whose dots there is no room yet
 PARSE_NAMED = const(61)  # axes that plain lines may name, the first
 PARSE_KNOWN = const(62)  # counts: odd while all these are filled in and count
-PARSE_FIELDS = const(63)
+PARSE_DOTS_END = const(63)  # the index behind a row; 0: it is left to the parser, or waits
+PARSE_FIELDS = const(64)
 
 # Lines.fields: bytes of Lines.text.
 LINES_AT = const(0)  # the index of the oldest line

@@ -1,10 +1,9 @@
 """The most frequent lines of G-code, from their bytes to a batch of steps: G0 or G1 with axis words, and perhaps F, S or N.
 
-    lines = parse_lines(text, at, len(text), fields, batch, dots, most)  # how many were understood, at most `most`: rows of the batch
+    lines = parse_lines(text, at, len(text), fields, batch, dots, read_dots, most)  # how many were understood, at most `most`: rows of the batch
 
-A laser is on at the power that the line's S says, and off in a G0. `S0:500:1000` is a row of dots, whose powers go into `dots`, DOTS_…
-of Power.marks: a row that finds no room there ends the batch, and waits. `S=@@OT_H`, a packed row, ends its line: two characters a dot,
-`@` to `_`, are 32 · the first + the second, in thousandths of full power; S stays as it was.
+A laser is on at the power that the line's S says, and off in a G0. A row of dots, such as `S0:500:1000` or `S=@@OT_H`, is an option's:
+read_dots() puts the powers into `dots`, DOTS_… of Power.marks. A row that finds no room there ends the batch, and waits.
 
 The first line begins at text[at]; each ends with a line feed or the text. `fields` says where the machine is and how lines count; after a
 plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and has not changed what counts.
@@ -17,21 +16,17 @@ nanometre. One text for all interpreters; see motion/block_viper.py for its rule
 import micropython
 
 from passo.protocols.gcode.parse_records import *
-from passo.protocols.gcode.row_dots_viper import add_row, put_dot, row_waits
 from passo.records import *
 
 
 @micropython.viper
-def parse_lines(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
+def parse_lines(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots: ptr32, read_dots, most: int) -> int:
     """Read plain lines from text[begin:count] to rows of `batch`, at most `most`. Returns how many. See above."""
     lines = 0
     fields[PARSE_ARC] = 0
     fields[PARSE_NO_ROOM] = 0
     while lines < most and begin < count:
-        if int(row_waits(text, begin, count, dots)):
-            fields[PARSE_NO_ROOM] = 1
-            break
-        after = int(read_line(text, begin, count, fields, dots))
+        after = int(read_line(text, begin, count, fields, dots, read_dots))
         row = fields[PARSE_DOTS]
         longest = 81  # bytes, its end among them
         if row:
@@ -51,8 +46,10 @@ def parse_lines(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32,
             if fields[PARSE_MOTION] > 1 and have & (HAS_I | HAS_J) and fields[PARSE_ARCS] and have & (HAS_X | HAS_X << 1) and have & HAS_X << 3 == 0:
                 fields[PARSE_ARC] = after
             break
-        if row and int(add_row(fields, dots)) == 0:
-            break
+        if row:
+            head = dots[DOTS_HEAD]
+            fields[PARSE_POWER] = fields[PARSE_LAST] | row << DOTS_COUNT | head << DOTS_FIRST
+            dots[DOTS_HEAD] = (head + row) & dots[DOTS_MASK]
         accept_line(fields, batch, lines * BATCH_FIELDS)
         fields[PARSE_POWER] = fields[PARSE_POWER] & DOTS_POWER
         lines += 1
@@ -62,7 +59,7 @@ def parse_lines(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32,
 
 
 @micropython.viper
-def read_line(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
+def read_line(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32, read_dots) -> int:
     """Read the words of the line at text[at]. Returns where the next line begins, 0 if this one has to be left to the parser."""
     fields[PARSE_MOTION] = fields[PARSE_MODAL]
     fields[PARSE_SPEED] = fields[PARSE_FEED]
@@ -86,66 +83,17 @@ def read_line(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> in
         letter = byte & 0xDF
         if byte < 65 or letter > 90:
             return 0
-        if letter == 83 and at < count and text[at] == 61:
-            return int(read_packed(text, at + 1, count, fields, dots))
-        at = int(read_number(text, at, count, fields))
-        if at == 0 or int(read_word(fields, letter)) == 0:
-            return 0
-        if letter == 83 and at < count and text[at] == 58:
-            at = int(read_row(text, at, count, fields, dots))
+        if letter != 83 or at == count or text[at] != 61:
+            at = int(read_number(text, at, count, fields))
+            if at == 0 or int(read_word(fields, letter)) == 0:
+                return 0
+        if letter == 83 and at < count and (text[at] == 58 or text[at] == 61):
+            if dots[DOTS_MASK] == 0:
+                return 0
+            read_dots(text, at, count, fields, dots)
+            at = fields[PARSE_DOTS_END]
             if at == 0:
                 return 0
-
-
-@micropython.viper
-def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
-    """Read the powers of a row, the first being PARSE_TURNS, from the colon behind it on, and put them behind those that are queued, as far
-    as there is room. Returns where they end, 0 if this one has to be left to the parser."""
-    full = fields[PARSE_FULL]
-    if full <= 1 or dots[DOTS_MASK] == 0:
-        return 0
-    value = fields[PARSE_TURNS]
-    row = 0
-    while True:
-        level = int(power_thousandths(value, full))
-        put_dot(dots, row, level)
-        row += 1
-        if at == count or text[at] != 58:
-            break
-        at = int(read_number(text, at + 1, count, fields))
-        value = int(with_decimals(fields[PARSE_VALUE], fields[PARSE_DECIMALS], 3, 50000000))
-        if at == 0 or fields[PARSE_MINUS] or value < 0 or value > 500000000:
-            return 0
-    fields[PARSE_DOTS] = row
-    fields[PARSE_LAST] = level
-    return at
-
-
-@micropython.viper
-def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
-    """Read a packed row up to its line's end, as read_row(). Returns where the next line begins, 0 if this one has to be left to the parser."""
-    if fields[PARSE_FULL] <= 1 or dots[DOTS_MASK] == 0 or fields[PARSE_HAVE] & HAS_S:
-        return 0
-    level = 0
-    row = 0
-    while at + 1 < count:
-        high = int(text[at])
-        at += 1
-        low = int(text[at])
-        if (high ^ 0x40) >> 5 or (low ^ 0x40) >> 5:
-            at -= 1
-            break
-        level = (high & 31) << 5 | low & 31
-        if level > 1000:
-            return 0
-        put_dot(dots, row, level)
-        row += 1
-        at += 1
-    if row == 0 or at < count and text[at] != 10:
-        return 0
-    fields[PARSE_DOTS] = row
-    fields[PARSE_LAST] = level
-    return at + 1
 
 
 @micropython.viper

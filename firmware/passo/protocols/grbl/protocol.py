@@ -53,6 +53,7 @@ class Grbl:
     keeps = True  # see app.py
     notices = {}  # by number of a notice: a function that returns its text for a value; an option replaces the whole
     raw = b"$"  # lines that begin with these bytes keep small letters and blanks; an option sets it
+    dots = None  # read_dots() of an option, for rows of them in plain lines
     stored = None  # (limits, frame, units, answers) of an option that feeds a file to this link: options/jobs/language_grbl.py
 
     def __init__(self, axes, offsets, machine, batch, most):
@@ -141,9 +142,9 @@ class Grbl:
                 data = b""
             if not self._open_batch():
                 return b""
-        text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
+        text, lines, fields, rows, dots, read_dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
-            data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
+            data, len(data), text, lines, fields, rows, dots, read_dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
         )
         return _OKS[taken] if 0 < taken <= BATCH_ROWS else self._answer_lines(taken, data)
 
@@ -167,7 +168,7 @@ class Grbl:
         if self._taker is not batch.taker:
             lines.make_buffer()
             self._taker = batch.taker
-            self._arrays = (lines.text, fields, self.gcode.fields, batch.rows, batch.dots, batch.most) + batch.taker
+            self._arrays = (lines.text, fields, self.gcode.fields, batch.rows, batch.dots, self.dots, batch.most) + batch.taker
         return True
 
     def _answer_lines(self, taken, data):

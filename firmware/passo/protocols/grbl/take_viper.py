@@ -1,6 +1,6 @@
 """The one call of a batch of lines: from the bytes that have come to blocks in the planner's queue.
 
-    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, batch.most, *batch.taker)
+    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, read_dots, batch.most, *batch.taker)
 
     data ─► buffer_bytes() ─► text ─► parse() ─► rows ─► queue_lines(), the machine's ─► blocks
 
@@ -21,8 +21,8 @@ _LINE_BYTES = const(24)  # of a short line. A call takes fewer lines if they are
 
 @micropython.viper
 def take_lines(
-    data: ptr8, count: int, text: ptr8, lines: ptr32, fields: ptr32, rows, dots: ptr32, most: int, travel, queue_lines, target, blocks,
-    scratch, indices, limits,
+    data: ptr8, count: int, text: ptr8, lines: ptr32, fields: ptr32, rows, dots: ptr32, read_dots, most: int, travel, queue_lines, target,
+    blocks, scratch, indices, limits,
 ) -> int:
     """Keep `count` bytes of `data`, and have the machine take the plain ones of the kept lines: as many as it has room for, `most`
     at most, none while `?` waits. Returns how many; or what buffer_bytes() returns, or LEFT or ARC, and LINES_TAKEN is how many."""
@@ -44,7 +44,7 @@ def take_lines(
         lines[LINES_WAITS] = 1
         if part <= 0:
             break
-        filled = int(parse_lines(text, lines[LINES_AT], until, fields, ptr32(rows), dots, part))
+        filled = int(parse_lines(text, lines[LINES_AT], until, fields, ptr32(rows), dots, read_dots, part))
         if filled:
             lines[LINES_AT] = fields[PARSE_AFTER]
             lines[LINES_FILLED] = filled

@@ -2,7 +2,7 @@
 
     quality.begin(10)               # ten runs behind the one that finds zero, which is discarded
     quality.again(groups)           # a run has ended; True if there is another to come
-    quality.report()                # [(axis, side, runs, range, σ in hundredths of a step, drift)], or None
+    quality.rows()                  # [(axis, side, runs, range, σ in hundredths of a step, drift)], or None
 
 A run begins where the one before has ended, a pull-off from the edge that it found: its edge lies from the last one by the difference to
 the pull-off, and from the first by the sum of the differences. Drift is the mean of the last third less that of the first.
@@ -10,9 +10,13 @@ the pull-off, and from the first by the sum of the differences. Drift is the mea
 
 from math import sqrt
 
+from passo.control.feature import Feature
 
-class Quality:
-    def __init__(self):
+
+class Quality(Feature):
+    def __init__(self, board, machine, queue):
+        Feature.__init__(self, board, machine, queue)
+        machine.quality = self
         self.begin(0)
 
     def begin(self, runs):
@@ -39,12 +43,12 @@ class Quality:
         else:
             edges.append((edges[-1] if edges else 0) + beyond)
 
-    def report(self):
+    def rows(self):
         """Return [(axis, side, runs, range, σ, drift)] in steps, σ in hundredths of one; None if nothing was measured."""
         return [self._judge_axis(key) for key in sorted(self._edges)] if self._runs else None
 
     def _judge_axis(self, key):
-        """Return the row of report() for (axis, side)."""
+        """Return the row of (axis, side)."""
         edges = self._edges[key]
         runs = len(edges)
         mean = sum(edges) / runs

@@ -30,7 +30,7 @@ _HALF_RAPIDS = b"\x96"  # they bring about the faults below
 class Laser:
     """laser_xy, or another board's laser, booted and unlocked. duty: [(cycle, thousandths)] as written; steps: cycles at which X steps."""
 
-    def __init__(self, uf2, files=None, board=BOARD):
+    def __init__(self, uf2, files=None, board=BOARD):  # noqa: F811
         board = boards.load(board)
         if files is None:
             stop = {"name": "stop", "pin": _STOP, "active": 0, "pull": "up", "halt": True}
@@ -84,12 +84,12 @@ class Laser:
 
 
 @lru_cache
-def _booted(uf2):
+def _booted(uf2):  # noqa: F811
     return Laser(uf2)
 
 
 @pytest.fixture(scope="session")
-def laser(uf2):
+def laser(uf2):  # noqa: F811
     return _booted(uf2)
 
 
@@ -299,7 +299,7 @@ MS_STEP = 12_500 << 5 | 1  # X steps, and a millisecond passes
 
 
 @pytest.mark.slow
-def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
+def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):  # noqa: F811
     """A run handed over in the moment in which A has ended the one before it, and D has not: A must not be given it twice.
 
     D is held here. As append() looks where the chain stands (the third time that it reads C's address), the chain takes
@@ -340,7 +340,7 @@ def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
     assert len([state for _, state in rig.step_edges[0] if state]) == 2 and rig.pico.exec("print(player.words_played())") == "2\r\n"
 
 
-def burning(uf2, *fault):
+def burning(uf2, *fault):  # noqa: F811
     laser = Laser(uf2, with_fault(*fault, BOARD))
     laser.say("M3S500", "G1X100")
     laser.machine.run_ms(100)
@@ -350,7 +350,7 @@ def burning(uf2, *fault):
 
 
 @pytest.mark.slow
-def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
+def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):  # noqa: F811
     """The interrupt that feeds halts at once; the main loop makes all else safe and leaves a report."""
     fault = "        if self.planner.percent[1] != self.planner.percent[0]:\n            raise ValueError('on purpose')\n"
     laser = burning(uf2, "passo/steps/feeder.py", "        state[FEED_DRY] = 0\n", fault)
@@ -362,7 +362,7 @@ def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
 
 
 @pytest.mark.slow
-def test_it_does_not_burn_on_where_a_hang_has_brought_it_to_a_stand(uf2):
+def test_it_does_not_burn_on_where_a_hang_has_brought_it_to_a_stand(uf2):  # noqa: F811
     fault = "        while self.controller.machine.overrides[1] == 50:\n            pass\n"
     laser = burning(uf2, "passo/app.py", TURN, fault)
     laser.machine.run_ms(280)

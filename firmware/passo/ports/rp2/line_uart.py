@@ -17,6 +17,11 @@ from passo.ports.rp2 import chip
 _BYTES = const(576)  # the most that a sender that counts has on its way, and some questions
 
 
+def create(link):
+    """Return the Capture of a link's UART."""
+    return Capture(int(link["port"][4:]))
+
+
 class Capture:
     def __init__(self, number):
         self._data = chip.UART1 if number else chip.UART0

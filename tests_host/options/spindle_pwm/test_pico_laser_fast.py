@@ -25,7 +25,7 @@ PERIOD_US = 20
 class Fast(Laser):
     """laser_fast; `writes`: [(cycle, parts of `counts`)] of the compare register, each value once."""
 
-    def __init__(self, uf2):
+    def __init__(self, uf2):  # noqa: F811
         super().__init__(uf2, board=BOARD)
         self.counts = self.slice.top + 1
         self.writes = [(0, 0)]

@@ -17,13 +17,39 @@ from machine import Pin, mem32
 from micropython import const
 
 from passo.ports.rp2 import chip, programs, vectors
-from passo.ports.rp2.fields import *
 from passo.ports.rp2.registers import *
 from passo.records import COUNT_MASK
 
 SHORTEST_TICKS = const(500)  # 40 µs
 
 _DEEP = const(6)  # words in the FIFO of eight
+
+# The player's state, an array('I'). First what does not change.
+TIMER_BLOCK = const(0)  # addresses: PIO block, state machine
+TIMER_MACHINE = const(1)
+TIMER_NUMBER = const(2)  # of the state machine in its block
+TIMER_FIRST = const(3)  # address of the program
+TIMER_WORDS = const(4)  # address of the ring's words
+TIMER_MASK = const(5)  # the ring's size − 1
+TIMER_BITS = const(6)  # of a word's levels
+TIMER_TABLES = const(7)  # address: from levels to pins: 128 entries for the low seven bits, 128 for those above
+TIMER_ALL = const(8)  # mask of the pins of all levels
+TIMER_STEPS = const(9)  # of the pulses
+TIMER_TOOL = const(10)  # of the tool
+TIMER_INVERT = const(11)  # of those whose level is the opposite of the word's
+TIMER_CYCLES = const(12)  # of the processor, that a pulse lasts
+TIMER_PLAYING = const(13)  # as PIO_PLAYING
+TIMER_GIVEN = const(14)  # words given to the state machine, modulo 2²⁹
+TIMER_PLAYED = const(15)  # words whose levels have appeared, modulo 2²⁹
+TIMER_HELD = const(16)  # 1: start() does nothing
+TIMER_TOGGLE = const(17)  # address of the register that turns pins over
+TIMER_HEAD = const(18)  # words of the ring that are published, modulo 2²⁹
+TIMER_FIELDS = const(19)
+
+
+def create(board, ring, layout, pins, pulse_ticks, min_word_ticks, invert, halt_pin):
+    """Return the player of a checked board. It halts by the interrupts of the pins, not by `halt_pin`."""
+    return TimerPlayer(ring, layout, pins, pulse_ticks, max(min_word_ticks, SHORTEST_TICKS), invert)
 
 
 class TimerPlayer:

@@ -40,6 +40,13 @@ _MARK = const(3)  # the next one that D does not have; they count for ever, modu
 _DUTY = const(4)  # behind the last one that it has
 _REST = const(5)  # of that: the rest of rounding for the next, so that short segments of a ramp add up to their energy
 _PARTS = const(16_000)  # POWER_MOST << POWER_FINE: of a mark's full power
+_LASER_RING = const(1024)  # words: beside a larger ring there is no memory for this player
+
+
+def create(board, ring, layout, pins, pulse_ticks, min_word_ticks, invert, halt_pin):
+    """Return the player of a checked board, without the power if the ring is large; `halt_pin()` is asked for the Pin that halts."""
+    rest = ring, layout, pins[0], pulse_ticks, min_word_ticks, invert, halt_pin()
+    return PioPlayer(*rest) if ring.size > _LASER_RING else LaserPlayer(board["spindle"]["pin"], *rest)
 
 
 class LaserPlayer(PioPlayer):

@@ -10,9 +10,10 @@ The tool's bit is on in the steps of each dot that burns, so it is exact to the 
 those that have none.
 
 Behind a row that ends at rest the last interval is cut into several words, `part` being 0: a Pico hears of a mark POWER_AHEAD words ahead of
-its own (ports/rp2/laser_player.py), and no other words may follow. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
+its own (options/spindle_pwm/port_rp2.py), and no other words may follow. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
 """
 # Shared with interrupts: state, power
+# `burn` of passo.steps.segments_viper is usually this one
 
 import micropython
 from micropython import const

@@ -3,7 +3,7 @@
 from draws import Random
 from passo import errors
 from passo.records import DOTS_HEAD, DOTS_TAIL
-from passo.steps.dots_viper import end_of
+from passo.options.spindle_pwm.steps_viper import end_of
 from router import LASER, Machine
 
 CASES = {

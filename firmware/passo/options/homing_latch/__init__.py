@@ -1,0 +1,1 @@
+"""How well homing repeats: `homing.latch` asks for it."""
