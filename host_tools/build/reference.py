@@ -9,7 +9,7 @@ while a page is not current.
 import re
 from importlib import import_module
 
-from host_tools import options
+from host_tools import boards, options
 from host_tools.build import tree
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, ROOT
@@ -17,7 +17,7 @@ from host_tools.resources import FIRMWARE, ROOT
 DOCS = ROOT / "docs" / "reference"
 BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
 END = "<!-- end -->"
-EXAMPLE = "router_3axis"
+EXAMPLE = next(name for name in ("router_3axis", *boards.names()) if name in boards.names())
 
 
 def page_text(name):
@@ -256,7 +256,6 @@ def setting_rows():
     """Return a row for each setting, with its value on the example board; it has not those of rare keys."""
     from passo.config import boardfile, setting_numbers
 
-    from host_tools import boards
     from host_tools.clients.setting_names import rule_of
 
     board = boardfile.check(boards.load(EXAMPLE))

@@ -5,7 +5,7 @@ import hashlib
 from dataclasses import fields, replace
 
 from host_tools.cli import resume_gcode, stream
-from host_tools.cli.draw_run import continue_advice, pen_of
+from host_tools.cli.draw_options import continue_advice, pen_of
 from host_tools.clients.refusal import Refused
 from host_tools.drawings import gcode
 from host_tools.drawings.gcode import TOOLS, Cut

@@ -7,6 +7,8 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.language import _
+
 
 @dataclass
 class Said:
@@ -84,3 +86,13 @@ PLACED = (
     "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "nesting", "marks", "keep_order", "unseen",
 )  # fmt: skip
 KEPT = ("board", "speed", "points", "origin", "layer", "hatch", *PLACED)
+
+
+def pen_of(part):
+    """Return number and name of a pen, for people."""
+    return f"{part.number} ({part.name})" if part.name else str(part.number)
+
+
+def continue_advice(record):
+    """Return the words that say how to go on with an interrupted drawing."""
+    return _("go on with the same command and --continue ({})", record.path) if record else _("go on with passo resume")

@@ -8,6 +8,7 @@ import sys
 import time
 from typing import NamedTuple
 
+from host_tools.cli.draw_options import continue_advice, pen_of
 from host_tools.cli.lead_in import operator_agrees
 from host_tools.clients.plotter import POLL_S
 from host_tools.clients.refusal import Refused
@@ -77,11 +78,6 @@ class Plotted:
         way = Way(said.resume, said.home)
         stored = drawing_progress.numbers_of_stored(self._point_objects, said.speed)
         run(console, self._point_objects, self._machine, record, said.port, said.baud or BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
-
-
-def pen_of(part):
-    """Return number and name of a pen, for people."""
-    return f"{part.number} ({part.name})" if part.name else str(part.number)
 
 
 def run(console, objects, machine, record, port, baud, speed, way, log=None, timeout=3.0, numbers=(), changes=None):
@@ -161,11 +157,6 @@ def _cancel_by_signals(client):
     finally:
         for number, handler in before:
             signal.signal(number, handler)
-
-
-def continue_advice(record):
-    """Return the words that say how to go on with an interrupted drawing."""
-    return _("go on with the same command and --continue ({})", record.path) if record else _("go on with passo resume")
 
 
 def _wait_until_at_rest(client, way):

@@ -34,15 +34,13 @@ def _connect_client(port, baud, protocol):
     """Give a client of the language; its ask(line) sends `$F` lines. Raises Failure if the board refuses a line because a stored job runs."""
     from host_tools.cli import ports
     from host_tools.cli.link import BAUD
-    from host_tools.clients.grbl import GrblClient
-    from host_tools.clients.plotter import PlotterClient
-    from host_tools.clients.pulses import PulsesClient
     from host_tools.clients.refusal import Refused
+    from host_tools.clients.settings import client_class
+    from host_tools.programs.stored_job import KINDS
 
-    kinds = {"grbl": GrblClient, "pulses": PulsesClient, "plotter": PlotterClient}
-    if protocol not in kinds:
-        raise Failure("--protocol is {}, not {!r}", ", ".join(kinds), protocol)
-    with kinds[protocol](port or ports.only_port(), baud or BAUD[protocol]) as client:
+    if protocol not in KINDS:
+        raise Failure("--protocol is {}, not {!r}", ", ".join(KINDS), protocol)
+    with client_class(protocol)(port or ports.only_port(), baud or BAUD[protocol]) as client:
         if protocol == "grbl":
             client.be_sure_it_stands()
         try:

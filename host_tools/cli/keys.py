@@ -40,7 +40,7 @@ def keys(
         echo "I 10s J" | passo keys
     """
     from host_tools.cli import ports
-    from host_tools.clients.wire import open_port
+    from host_tools.clients.serial_port import open_port
 
     items = parse_keys(send) if send is not None else None
     kit = Kit(open_port(port or ports.only_port(), baud))

@@ -80,7 +80,7 @@ def _hand_over_torch(port, baud, number):
 def _hand_over_pulses(port, baud, number):
     """Give the command to link `number`. Raises Failure if the board refuses, LinkError without an answer within 3 s."""
     from host_tools.clients.serial_port import LinkError
-    from host_tools.clients.wire import open_port
+    from host_tools.clients.serial_port import open_port
     from passo.protocols.pulses import protocol as pulses
 
     line = open_port(port, baud)

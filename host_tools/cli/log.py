@@ -6,12 +6,10 @@ import time
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
-from passo.protocols.plotter.host import COMMANDS, STATUS_LENGTH, packet
 
 _ANSWER_S = 1.0
 _MOST_BEFORE = 2000  # bytes that a board says by itself before its answer: its banner, messages
 _QUIET_S = 0.02  # silence that separates the next bytes from the question
-_STATUS = packet(COMMANDS["STATUS"])  # its first byte is grbl's `?`
 _WHY_LENGTH = 2  # a board of keys: `?` and the error of the last key
 BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
 
@@ -59,17 +57,20 @@ def find_language(port, baud, known=BAUD):
     rate is not found: say --protocol and --baud."""
     from host_tools.clients import serial_port
     from host_tools.clients.frames import OFFER_S, FramedPort
-    from host_tools.clients.wire import open_port
+    from host_tools.clients.serial_port import open_port
+    from passo.protocols.plotter.host import COMMANDS, STATUS_LENGTH, packet
+
+    status_packet = packet(COMMANDS["STATUS"])  # its first byte is grbl's `?`
 
     def ask_status(line):
         """Send `?`, and the rest of a plotter's STATUS if nothing comes; return the answer from its status on, b"" for none."""
         line.timeout = _ANSWER_S
-        line.write(_STATUS[:1])
+        line.write(status_packet[:1])
         said = line.read(9)
         if not said:
-            line.write(_STATUS[1:])
+            line.write(status_packet[1:])
             return line.read(STATUS_LENGTH)
-        while said[:1] != _STATUS[:1] and not set(said) & set(b"<\0") and len(said) < _MOST_BEFORE:
+        while said[:1] != status_packet[:1] and not set(said) & set(b"<\0") and len(said) < _MOST_BEFORE:
             more = line.read(9)
             if not more:
                 break
@@ -78,7 +79,7 @@ def find_language(port, baud, known=BAUD):
         return said if status < 1 else said[status:] + line.read(1)
 
     said = _ask_and_close(open_port(port, baud), ask_status)
-    if said[:1] == _STATUS[:1] and len(said) == _WHY_LENGTH:
+    if said[:1] == status_packet[:1] and len(said) == _WHY_LENGTH:
         if "keys" in known:
             return "keys"
         raise _no_word_failure("keys")
@@ -91,7 +92,7 @@ def find_language(port, baud, known=BAUD):
         said = _ask_and_close(open_port(port, baud), ask_status)  # a board may have been busy, too
     if said[:1] == b"<":
         return "grbl" if said[1:2].isupper() else "pulses"
-    if said[:1] == _STATUS[:1] and len(said) == STATUS_LENGTH:
+    if said[:1] == status_packet[:1] and len(said) == STATUS_LENGTH:
         return "plotter"
     return "torch"
 

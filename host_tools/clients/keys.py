@@ -9,8 +9,7 @@ import time
 from host_tools.clients.client import Client
 from host_tools.clients.answers import is_complete
 from host_tools.clients.refusal import lines_before_ok
-from host_tools.clients.serial_port import LinkError
-from host_tools.clients.wire import open_port
+from host_tools.clients.serial_port import LinkError, open_port
 from passo.protocols.typed_words import line_of
 
 _ANSWER_S = 3.0

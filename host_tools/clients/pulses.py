@@ -10,8 +10,7 @@ import time
 
 from host_tools.clients.client import Client
 from host_tools.clients.refusal import Refused, explain_error
-from host_tools.clients.serial_port import LinkError
-from host_tools.clients.wire import open_port
+from host_tools.clients.serial_port import LinkError, open_port
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame

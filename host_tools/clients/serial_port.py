@@ -19,6 +19,7 @@ from host_tools.language import _
 from host_tools.lock_file import open_lock
 
 
+_SLICE_S = 0.05  # how long one read of open_port()'s waits: the finest grain of every time-out
 frames = None  # `passo --frames`, `--no-frames`: ask every board for frames, or none
 
 
@@ -53,6 +54,12 @@ def open_link(port, baud, slice_s, text):
     except OSError as error:
         opened.close()
         raise port_error(port, error) from error
+
+
+def open_port(port, baud):
+    """Open a port for this program only. Asks for frames only if `passo --frames` is given: controllers older than Passo take any bytes for
+    packets. Raises LinkError."""
+    return open_link(port, baud, _SLICE_S, False)
 
 
 def open_exclusively(port, baud, slice_s):

@@ -11,17 +11,13 @@
 
 import re
 from functools import cache
+from importlib import import_module
 
 from host_tools import boards
 from host_tools.clients.grbl import GrblClient
-from host_tools.clients.keys import KeysClient
-from host_tools.clients.plotter import PlotterClient
-from host_tools.clients.pulses import PulsesClient
-from host_tools.clients.torch import TorchClient
 from host_tools.failure import Failure
 from passo.config.boardfile import check
 
-CLIENTS = {"torch": TorchClient, "plotter": PlotterClient, "pulses": PulsesClient, "keys": KeysClient}
 BAUD = {"torch": 115_200, "plotter": 57_600, "pulses": 115_200, "keys": 9600, "grbl": 115_200}
 _BOARDS = ("router_4axis", "torch_manipulator", "plotter_2014", "lpt_router")  # which have all names but those of rare keys
 
@@ -29,7 +25,12 @@ _BOARDS = ("router_4axis", "torch_manipulator", "plotter_2014", "lpt_router")  #
 @cache
 def setting_numbers():
     """{name: number} of the settings."""
-    return {rule[0]: number for name in _BOARDS for number, rule in boards.settings_of(check(boards.load(name))).items()}
+    return {rule[0]: number for name in _BOARDS if name in boards.names() for number, rule in boards.settings_of(check(boards.load(name))).items()}
+
+
+def client_class(language):
+    """Return the class of the clients of a language."""
+    return getattr(import_module("host_tools.clients." + language), language.capitalize() + "Client")
 
 
 def number_of(text):
@@ -53,7 +54,7 @@ def open_settings(language, port, baud=None):
     """Open the settings of the board at a link that speaks `language`, for a with statement. `baud` None: the language's own. Raises Failure."""
     if language == "grbl":
         return _Lines(GrblClient(port, baud or BAUD["grbl"]))
-    return Asked(CLIENTS[language](port, baud or BAUD[language]))
+    return Asked(client_class(language)(port, baud or BAUD[language]))
 
 
 class Asked:

@@ -16,8 +16,7 @@ from host_tools.clients.client import Client
 from host_tools.clients.answers import is_complete
 from host_tools.clients.refusal import lines_before_ok
 from host_tools.clients.torch_wire import Answers
-from host_tools.clients.serial_port import LinkError
-from host_tools.clients.wire import open_port
+from host_tools.clients.serial_port import LinkError, open_port
 from host_tools.failure import Failure
 from host_tools.language import error_text
 from passo import errors

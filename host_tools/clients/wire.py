@@ -9,10 +9,9 @@ A STATUS answer is twelve bytes and every other answer one, so a `?` makes the r
 
 import time
 
-from host_tools.clients.serial_port import open_link, port_error
+from host_tools.clients.serial_port import open_port, port_error
 from passo.protocols.plotter import host as plotter
 
-_SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
 _STATUS_GAP_S = 0.5  # a STATUS answer that stalls this long is torn
 _STALE_S = 0.3  # after which a RESEND is meant for the last packet
 
@@ -43,12 +42,6 @@ def answer_text(data):
     """An answer's name and bytes as the log of 2014 shows them."""
     name = "STATUS" if len(data) > 1 else plotter.ANSWERS.get(data[0], "UNKNOWN")
     return f"{name} {log_text(data)}"
-
-
-def open_port(port, baud):
-    """Open a port for this program only. Asks for frames only if `passo --frames` is given: controllers older than Passo take any bytes for
-    packets. Raises LinkError."""
-    return open_link(port, baud, _SLICE_S, False)
 
 
 class Wire:

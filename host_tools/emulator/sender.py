@@ -13,7 +13,6 @@ from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.rig import Rig, router_board, ticks_of
 from host_tools.emulator.traffic import move_packets
 from host_tools.emulator.wire import BITS_A_BYTE
-from passo.protocols.plotter.host import PACKET
 
 WINDOW = 32  # packets under way of a program that does not wait
 NEXT = b"n"
@@ -89,6 +88,8 @@ class Sender:
 
     def send(self, count, window=WINDOW, hz=0):
         """Send `count` points, while three axes step `hz` times a second."""
+        from passo.protocols.plotter.host import PACKET
+
         pico, console = self._pico, self._pico.console
         lines = [((int(rate * seconds),) * 3, rate) for rate, seconds in ((_START_HZ, _START_S), (hz, _LINE_S)) if hz]
         timed = [(deltas, ticks_of(deltas, rate)) for deltas, rate in lines]

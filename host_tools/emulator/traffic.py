@@ -4,11 +4,11 @@ In it a byte that repeats its neighbour makes the board wait for a pause (see pr
 not pause must avoid that, as real drawings do for the most part.
 """
 
-from passo.protocols.plotter.host import COMMANDS, packet
-
 
 def move_packets(count, seed=0):
     """Return the bytes of `count` MOVE packets in which no byte repeats its neighbour."""
+    from passo.protocols.plotter.host import COMMANDS, packet
+
     data, number = b"", seed
     while count:
         number += 1

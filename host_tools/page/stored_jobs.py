@@ -15,8 +15,6 @@ from host_tools.page.job import Job
 from host_tools.page.slow_order import SlowOrder, is_refusal
 from host_tools.clients.grbl_wire import PAGE
 from passo import errors
-from passo.options.jobs.config_names import name_fits
-from passo.options.jobs.errors import STORED_NAME
 
 _PIECE = const(54)  # bytes of an upload in a line
 _LOST = const(60)  # reports; then the message that it has ended was lost
@@ -53,6 +51,9 @@ class StoredJobs(Job):
                 self._tell_list(errors.STATEMENT)
                 return 0
             return 0 if machine.wire.send_line(PAGE, b"$F", self._tell_list) else errors.BUSY
+        from passo.options.jobs.config_names import name_fits
+        from passo.options.jobs.errors import STORED_NAME
+
         if not isinstance(name, str) or not name_fits(name):
             return STORED_NAME
         if what == "delete":

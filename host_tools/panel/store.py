@@ -19,7 +19,6 @@ from host_tools.programs.program_makers import advice_of
 from host_tools.programs.program_lines import latin_bytes
 from host_tools.sim.tab_jobs import text_error
 from passo import errors
-from passo.options.jobs.errors import JOB_SPACE
 
 MOST_BYTES = 64 << 20  # of all jobs
 _MOST_JOBS = 500
@@ -147,6 +146,8 @@ class Store:
         if isinstance(path, int):
             return path
         if path.stat().st_size > _MOST_STORED:
+            from passo.options.jobs.errors import JOB_SPACE
+
             return JOB_SPACE
         try:
             data = stored_job.gcode_job(path)

@@ -12,9 +12,7 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
-from passo.options.jobs.config import WINDOW_BITS, first_line
-from passo.options.jobs.config_names import LONGEST_NAME, NAME_LETTERS, name_fits
-from passo.options.jobs.manifest import RULES
+from passo.records import WINDOW_BITS
 
 LISTED = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")  # a row of the answer to $F
 
@@ -36,6 +34,8 @@ def crc_of(data):
 
 def name_of(path):
     """Return a job's name for a file: its name in capitals, with '_' for letters that a job's name may not have."""
+    from passo.options.jobs.config_names import LONGEST_NAME, NAME_LETTERS
+
     name = re.sub(f"[^{re.escape(NAME_LETTERS)}]", "_", Path(path).name.upper()).lstrip(".")
     return name[-LONGEST_NAME:]
 
@@ -60,19 +60,23 @@ def gcode_lines(lines):
 
 def job_file(language, data):
     """Return `data` as a file of a board's folder of jobs."""
+    from passo.options.jobs.config import first_line
+
     packed = pack_job(data)
     return first_line(language, len(data), crc_of(data), len(packed)) + packed
 
 
 def write_on_card(card, name, language, data):
     """Write a job on a memory card, whose files lie in the folder `card`; returns its path. Raises Failure."""
+    from passo.options.card.config import END_MARK
+    from passo.options.jobs.config_names import LONGEST_NAME, name_fits
+    from passo.options.jobs.manifest import RULES
+
     if not name_fits(name):
         raise Failure("{!r} is no job's name: at most {} capitals, digits, '.', '_' and '-'", name, LONGEST_NAME)
     if not card.is_dir():
         raise Failure("there is no folder {}: is the card in, and mounted?", card)
     folder = card / RULES["jobs"]["folder"][1].lstrip("/")
-    from passo.options.card.config import END_MARK  # here: only a card asks for that option
-
     try:
         folder.mkdir(exist_ok=True)
         path = folder / f"{name}.alt"

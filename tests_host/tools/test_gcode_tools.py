@@ -455,5 +455,5 @@ class Chatty:
 @pytest.mark.parametrize("before", [b"", b"\r\nGrbl 1.1f ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\n", b"ok\r\n", b"[MSG:a, b, c, d, e]\r\n" * 9])
 @pytest.mark.parametrize("status, language", [(b"<Idle|MPos:0.000>", "grbl"), (b"<idle,0>", "pulses")])
 def test_what_a_board_says_by_itself_is_no_other_language(monkeypatch, before, status, language):
-    monkeypatch.setattr("host_tools.clients.wire.open_port", lambda port, baud: Chatty(before + status))
+    monkeypatch.setattr("host_tools.clients.serial_port.open_port", lambda port, baud: Chatty(before + status))
     assert find_language("/dev/none", 115_200) == language

@@ -11,9 +11,8 @@ from host_tools.clients import serial_port
 from host_tools.clients.grbl import GrblClient
 from host_tools.clients.plotter import PlotterClient
 from host_tools.clients.pulses import PulsesClient
-from host_tools.clients.serial_port import LinkError, open_exclusively
+from host_tools.clients.serial_port import LinkError, open_exclusively, open_port
 from host_tools.clients.torch import TorchClient
-from host_tools.clients.wire import open_port
 from host_tools.sim import serial_line
 
 CLIENTS = [PlotterClient, GrblClient, PulsesClient, TorchClient, lambda port: Kit(open_port(port, 9600))]
