@@ -37,7 +37,7 @@ def wiring_drawings():
     try:
         for spoken, folder in FOLDERS.items():
             language.choose_language(spoken)
-            found.update({folder / f"{name}.svg": wiring_svg(check(boards.load(name))) for name in BOARDS})
+            found.update({folder / f"{name}.svg": wiring_svg(check(boards.load(name))) for name in BOARDS if name in boards.names()})
     finally:
         language.choose_language(None)
     return found

@@ -16,11 +16,8 @@ import pytest
 from host_tools import interpreter
 from host_tools.build.constants import fold_constants
 from host_tools.build.tree import FIRMWARE, module_files
-from host_tools.cli import run
 from host_tools.drawings.objects import objects
 from host_tools.kernels.inline import inline_kernels
-from passo.protocols.torch import protocol as torch
-from passo.protocols.plotter.host import COMMANDS, packet
 from host_tools.prove.gcode_jobs import all_jobs, backlash_job, star
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
@@ -35,6 +32,8 @@ CPYTHON = "CPython"
 
 def job_of(drawings):
     """The packets that draw a list of objects at the speed of `make run`."""
+    from passo.protocols.plotter.host import COMMANDS, packet
+
     data = packet(COMMANDS["SPEED"], 1000)
     for points in drawings:
         for pen, x, y in points:
@@ -72,6 +71,8 @@ def digest(program, *job, firmware=None, script=CHECKS / "digest.py"):
 @pytest.fixture(scope="module")
 def jobs(tmp_path_factory):
     """{name: file of packets} of everything that `make run` draws."""
+    from host_tools.cli import run
+
     folder = tmp_path_factory.mktemp("jobs")
     files = {}
     for name, drawings in run.create_jobs(folder).items():
@@ -174,6 +175,8 @@ def test_gcode_of_the_corpus(corpus):
 
 def frames_of_torch():
     """Moves of unlike axes, jogs held, a configuration, a stop on the way; each line as digest.py takes it."""
+    from passo.protocols.torch import protocol as torch
+
     jog = [(torch.frame("JOG_Y-"), 60)] * 5
     return [
         (torch.frame("CONNECT"), None), (torch.move(700, 480, 2000, -833), None), (torch.move(0, 0, 31, 7), None),

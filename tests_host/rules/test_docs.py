@@ -14,8 +14,6 @@ from host_tools.resources import ROOT
 from passo.config import boardfile
 from passo.protocols.gcode.codes import CODES
 from passo.protocols.gcode.words import M_CODES
-from passo.protocols.plotter import host as plotter
-from passo.protocols.torch import protocol as torch
 
 pytestmark = pytest.mark.quick
 
@@ -193,6 +191,8 @@ def test_the_codes_are_those_that_are_understood():
 
 
 def test_the_packets_are_those_of_the_plotter():
+    from passo.protocols.plotter import host as plotter
+
     text = (ROOT / "docs" / "reference" / "languages" / "plotter.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([A-Z ]+) \| `(.+?)`(?: (\d+))? \|", text, re.MULTILINE)
     shown = {}
@@ -203,6 +203,8 @@ def test_the_packets_are_those_of_the_plotter():
 
 
 def test_the_frames_are_those_of_the_torch():
+    from passo.protocols.torch import protocol as torch
+
     text = (ROOT / "docs" / "reference" / "languages" / "torch.md").read_text(encoding="utf-8")
     table = text[text.index("## The frames") :]
     shown = {int(code, 16) for code in re.findall(r"(?<![\w])([0-9A-F]{2})(?= |`)", table)} - {0xFF}

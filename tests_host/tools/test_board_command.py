@@ -19,15 +19,11 @@ import serial
 
 from host_tools import boards, interpreter
 from host_tools.cli.main import main
-from host_tools.clients.plotter import PlotterClient
-from host_tools.clients.pulses import PulsesClient
 from host_tools.clients.serial_port import LinkError
 from host_tools.failure import Failure
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
 from passo import errors
-from passo.protocols.plotter.host import COMMANDS, packet
-from passo.protocols.torch import protocol as torch
 from patience import patience
 from test_virtual_machine import LOG_2014
 
@@ -207,6 +203,10 @@ def test_who_takes_a_tcp_connection_is_told_that_there_was_another():
     """The plotter's language of 2014 has no message for the host that loses the link, but the next STATUS has the number of the error; {log} of the pulse
     language says which link it was.
     """
+    from host_tools.clients.plotter import PlotterClient
+    from host_tools.clients.pulses import PulsesClient
+    from passo.protocols.plotter.host import COMMANDS, packet
+
     with Board("--board", "plotter_2014", "--tcp", 0) as board, PlotterClient(board.port) as first:
         assert first.status()["error"] == 0
         with socket.create_connection(("127.0.0.1", int(board.port.rpartition(":")[2]))) as second:
@@ -298,11 +298,14 @@ def test_the_command_is_handed_over_from_both_links(tmp_path):
         assert board.end()[0] == 0
 
 
-@pytest.mark.parametrize("board, protocol, refused", [
-    ("torch_manipulator", "torch", torch.move(5, 480, 5, 480)), ("lpt_router", "pulses", b"{jump}"),
-])  # fmt: skip
-def test_the_log_of_other_languages(board, protocol, refused):
+@pytest.mark.parametrize("board, protocol", [("torch_manipulator", "torch"), ("lpt_router", "pulses")])
+def test_the_log_of_other_languages(board, protocol):
     """With --protocol and without; asking for the log moves nothing."""
+    refused, question = b"{jump}", b"{?}"
+    if protocol == "torch":
+        from passo.protocols.torch import protocol as torch
+
+        refused, question = torch.move(5, 480, 5, 480), torch.frame("INFO")
     with Board("--board", board) as board:
         with serial.Serial(board.port, timeout=0.2) as client:
             client.write(refused)
@@ -313,7 +316,7 @@ def test_the_log_of_other_languages(board, protocol, refused):
             assert told.returncode == 0, told.stderr
             assert told.stdout.splitlines()[0].split()[1:4] == ["s", "pc", str(number)]
         with serial.Serial(board.port, timeout=0.2) as client:
-            client.write(torch.frame("INFO") if protocol == "torch" else b"{?}")
+            client.write(question)
             said = client.read(1000)
             assert said == torch.answer("INFO", 0, 0) if protocol == "torch" else b"idle" in said.lower(), said
         assert "it has no word for the status and the log" in passo("log", "--port", board.port, "--protocol", "keys").stderr

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import numpy
@@ -21,7 +22,6 @@ from shapely import points as shapely_points
 
 from host_tools import boards, interpreter
 from host_tools.clients.grbl import GrblClient
-from host_tools.clients.plotter import PlotterClient
 from host_tools.drawings import contours, drawing
 from host_tools.drawings.drawing import Options
 from host_tools.failure import Failure
@@ -29,8 +29,12 @@ from host_tools.programs import estimate
 from passo.config.boardfile import check as checked
 
 ROOT = Path(__file__).resolve().parents[2]
-BOARD = boards.load("plotter_2014")
 NEAR_MM = 0.5
+
+
+@cache
+def plotter_board():
+    return boards.load("plotter_2014")
 
 
 def svg(tmp_path, body, attributes='width="100mm" height="100mm" viewBox="0 0 100 100"'):
@@ -69,7 +73,7 @@ def farthest_mm(points, lines):
 
 def drawn_and_outlines(path, options):
     """Drawn lines in mm, and the outlines' points and lines where the machine should have put them."""
-    plan = drawing.load(path, BOARD, options)
+    plan = drawing.load(path, plotter_board(), options)
     drawn = [numpy.array(line) / 10 for line in plan.lines]
     arrays, (width, height) = outline_samples(path, 1.0, plan.mm_per_px)
     left, bottom = plan.corner_px
@@ -108,7 +112,7 @@ def test_every_real_svg_is_tried(corpus):
 
 def test_an_empty_file_is_a_clear_error(corpus):
     with pytest.raises(Failure, match="vpype_empty.svg: nothing to draw: the file has no lines"):
-        drawing.load(corpus / "vpype_empty.svg", BOARD)
+        drawing.load(corpus / "vpype_empty.svg", plotter_board())
 
 
 @pytest.mark.parametrize("body, message", [
@@ -118,23 +122,23 @@ def test_an_empty_file_is_a_clear_error(corpus):
 ])
 def test_nothing_to_draw_says_why(tmp_path, body, message):
     with pytest.raises(Failure, match=message):
-        drawing.load(svg(tmp_path, body), BOARD)
+        drawing.load(svg(tmp_path, body), plotter_board())
 
 
 def test_no_svg_is_a_clear_error(tmp_path):
     with pytest.raises(Failure, match="no file"):
-        drawing.load(tmp_path / "none.svg", BOARD)
+        drawing.load(tmp_path / "none.svg", plotter_board())
     (tmp_path / "b.svg").write_text("G1 X10")
     with pytest.raises(Failure, match="not an SVG file"):
-        drawing.load(tmp_path / "b.svg", BOARD)
+        drawing.load(tmp_path / "b.svg", plotter_board())
 
 
 def test_real_size_is_kept_and_y_points_up_from_the_page_s_lower_edge(tmp_path):
     path = svg(tmp_path, '<path d="M10 10 H30 V50"/>')
-    plan = drawing.load(path, BOARD, Options(origin=(20, 30)))
+    plan = drawing.load(path, plotter_board(), Options(origin=(20, 30)))
     assert plan.scale == 1
     assert plan.lines in ([[(300, 1200), (500, 1200), (500, 800)]], [[(500, 800), (500, 1200), (300, 1200)]])
-    plan = drawing.load(path, BOARD, Options(origin=(20, 30), place="outlines"))
+    plan = drawing.load(path, plotter_board(), Options(origin=(20, 30), place="outlines"))
     assert plan.lines in ([[(200, 700), (400, 700), (400, 300)]], [[(400, 300), (400, 700), (200, 700)]])
 
 
@@ -144,24 +148,24 @@ def size_of(box):
 
 def test_placement_options(tmp_path):
     path = svg(tmp_path, '<rect x="10" y="10" width="80" height="60"/>')
-    plan = drawing.load(path, BOARD)
+    plan = drawing.load(path, plotter_board())
     assert plan.page_mm == pytest.approx((0, 0, 100, 100)) and plan.box_mm == pytest.approx((10, 30, 90, 90))
-    assert drawing.load(path, BOARD, Options(center=True)).page_mm == pytest.approx((150, 100, 250, 200))
-    assert drawing.load(path, BOARD, Options(center=True, place="outlines")).box_mm == pytest.approx((160, 120, 240, 180))
-    fitted = drawing.load(path, BOARD, Options(fit=True, margin=20))
+    assert drawing.load(path, plotter_board(), Options(center=True)).page_mm == pytest.approx((150, 100, 250, 200))
+    assert drawing.load(path, plotter_board(), Options(center=True, place="outlines")).box_mm == pytest.approx((160, 120, 240, 180))
+    fitted = drawing.load(path, plotter_board(), Options(fit=True, margin=20))
     assert fitted.page_mm == pytest.approx((70, 20, 330, 280))
-    fitted = drawing.load(path, BOARD, Options(fit=True, margin=20, place="outlines"))
+    fitted = drawing.load(path, plotter_board(), Options(fit=True, margin=20, place="outlines"))
     assert size_of(fitted.box_mm) == pytest.approx((260 * 80 / 60, 260))
-    half = drawing.load(path, BOARD, Options(scale=0.5))
+    half = drawing.load(path, plotter_board(), Options(scale=0.5))
     assert half.box_mm == pytest.approx((5, 15, 45, 45))
     with pytest.raises(Failure, match="leaves the table of 400 × 300 mm"):
-        drawing.load(path, BOARD, Options(scale=10))
+        drawing.load(path, plotter_board(), Options(scale=10))
     with pytest.raises(Failure, match="leaves the table"):
-        drawing.load(path, BOARD, Options(origin=(330, 0)))
+        drawing.load(path, plotter_board(), Options(origin=(330, 0)))
     with pytest.raises(Failure, match="margin"):
-        drawing.load(path, BOARD, Options(margin=150, fit=True))
+        drawing.load(path, plotter_board(), Options(margin=150, fit=True))
     with pytest.raises(Failure, match="page or outlines"):
-        drawing.load(path, BOARD, Options(place="paper"))
+        drawing.load(path, plotter_board(), Options(place="paper"))
 
 
 def page_of(tmp_path, width, height, body, name="page.svg", unit="mm"):
@@ -175,14 +179,14 @@ def page_of(tmp_path, width, height, body, name="page.svg", unit="mm"):
 
 def test_what_is_too_large_is_reduced_and_says_so(tmp_path):
     path = page_of(tmp_path, 1000, 1000, '<rect x="0" y="0" width="1000" height="1000"/>')
-    plan = drawing.load(path, BOARD)
+    plan = drawing.load(path, plotter_board())
     assert plan.page_mm == plan.box_mm == pytest.approx((0, 0, 300, 300))
     assert "does not fit the table of 400 × 300 mm: drawn at 30.0 %" in plan.notes[0]
 
 
 @pytest.mark.parametrize("width", [400.0, 400.04, 400.11, 400.3, 402, 440])
 def test_a_page_a_little_too_large_is_not_said_to_be_drawn_at_a_hundred_per_cent(tmp_path, width):
-    plan = drawing.load(page_of(tmp_path, width, 200, f'<rect width="{width}" height="200"/>'), BOARD)
+    plan = drawing.load(page_of(tmp_path, width, 200, f'<rect width="{width}" height="200"/>'), plotter_board())
     if width - 400 < 0.05:  # half a step
         assert plan.scale == 1 and not plan.notes
     else:
@@ -192,7 +196,7 @@ def test_a_page_a_little_too_large_is_not_said_to_be_drawn_at_a_hundred_per_cent
 
 
 def test_a_page_larger_than_the_table_keeps_its_size_if_its_lines_are_on_the_table(tmp_path):
-    plan = drawing.load(page_of(tmp_path, 420, 297, '<rect x="20" y="20" width="370" height="257"/>'), BOARD)
+    plan = drawing.load(page_of(tmp_path, 420, 297, '<rect x="20" y="20" width="370" height="257"/>'), plotter_board())
     assert plan.scale == 1 and plan.box_mm == pytest.approx((20, 20, 390, 277)) and not plan.notes
 
 
@@ -207,7 +211,7 @@ FRAMES = [
                          ids=["page", "fit", "center", "scale"])  # fmt: skip
 @pytest.mark.parametrize("width, height, unit", FRAMES)
 def test_a_frame_on_the_edge_of_its_page_has_four_sides(tmp_path, width, height, unit, options):
-    plan = drawing.load(page_of(tmp_path, width, height, f'<rect width="{width}" height="{height}"/>', unit=unit), BOARD, options)
+    plan = drawing.load(page_of(tmp_path, width, height, f'<rect width="{width}" height="{height}"/>', unit=unit), plotter_board(), options)
     left, bottom, right, top = (round(10 * side) for side in plan.page_mm)
     right, top = min(right, 4000), min(top, 3000)
     sides = {frozenset(side) for line in plan.lines for side in zip(line, line[1:])}
@@ -217,7 +221,7 @@ def test_a_frame_on_the_edge_of_its_page_has_four_sides(tmp_path, width, height,
 
 def test_lines_a_hair_outside_the_page_are_drawn_on_its_edge_and_others_cut_there(tmp_path):
     body = '<path d="M-0.08 10 V50 M100.09 10 V50 M10 100.05 H50 M10 -0.05 H50 M-0.2 60 V90 M60 60 L140 60"/>'
-    plan = drawing.load(page_of(tmp_path, 100, 100, body), BOARD)
+    plan = drawing.load(page_of(tmp_path, 100, 100, body), plotter_board())
     assert {frozenset(line) for line in plan.lines} == {
         frozenset(line) for line in [((0, 900), (0, 500)), ((1000, 900), (1000, 500)), ((100, 0), (500, 0)),
                                      ((100, 1000), (500, 1000)), ((600, 400), (1000, 400))]
@@ -239,11 +243,11 @@ def test_layers_drawn_one_after_the_other_fall_on_each_other(tmp_path_factory, l
     ]
     path = page_of(tmp_path_factory.mktemp("layers"), 200, 150, f"</g>{''.join(groups)}<g>")
     try:
-        whole = drawing.load(path, BOARD, Options(**placed))
+        whole = drawing.load(path, plotter_board(), Options(**placed))
     except Failure as nothing:
         assert "nothing to draw" in str(nothing)
         return
-    alone = [drawing.load(path, BOARD, Options(layers=(number,), **placed)) for number in whole.layers]
+    alone = [drawing.load(path, plotter_board(), Options(layers=(number,), **placed)) for number in whole.layers]
     ink = [frozenset(pair) for plan in alone for line in plan.lines for pair in zip(line, line[1:])]
     assert set(ink) == {frozenset(pair) for line in whole.lines for pair in zip(line, line[1:])}
     assert {(plan.scale, plan.origin_mm, plan.page_mm) for plan in alone} == {(whole.scale, whole.origin_mm, whole.page_mm)}
@@ -255,16 +259,16 @@ def test_layers_are_drawn_in_their_order_or_alone(tmp_path):
         '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100" stroke="black">'
         '<g id="layer2"><path d="M0 90 H10"/></g><g id="layer1"><path d="M0 10 H20"/></g></svg>'
     )
-    lengths = [abs(line[0][0] - line[1][0]) for line in drawing.load(path, BOARD).lines]
+    lengths = [abs(line[0][0] - line[1][0]) for line in drawing.load(path, plotter_board()).lines]
     assert lengths == [200, 100]
-    assert len(drawing.load(path, BOARD, Options(layers=(2,))).lines) == 1
+    assert len(drawing.load(path, plotter_board(), Options(layers=(2,))).lines) == 1
     with pytest.raises(Failure, match="no layer 3; it has 1, 2"):
-        drawing.load(path, BOARD, Options(layers=(3,)))
+        drawing.load(path, plotter_board(), Options(layers=(3,)))
 
 
 def test_lines_are_joined_ordered_and_free_of_repeats(tmp_path):
     rows = "".join(f'<path d="M{x} {y} h10"/>' for y in range(0, 100, 5) for x in (20, 0, 10, 30))
-    plan = drawing.load(svg(tmp_path, rows), BOARD)
+    plan = drawing.load(svg(tmp_path, rows), plotter_board())
     assert len(plan.lines) == 20
     down, up = plan.lengths_mm()
     assert down == pytest.approx(800)
@@ -274,14 +278,14 @@ def test_lines_are_joined_ordered_and_free_of_repeats(tmp_path):
 
 
 def test_a_dot_stays_a_dot(tmp_path):
-    plan = drawing.load(svg(tmp_path, '<path d="M10 10 l0.001 0"/>'), BOARD)
+    plan = drawing.load(svg(tmp_path, '<path d="M10 10 l0.001 0"/>'), plotter_board())
     assert len(plan.lines) == 1 and len(plan.lines[0]) == 2 and plan.lines[0][0] == plan.lines[0][1]
 
 
 @pytest.mark.parametrize("most", [2, 3, 7, 50, 1000])
 def test_objects_hold_every_line_and_no_more_points_than_asked(tmp_path, most):
     body = '<circle cx="50" cy="50" r="40"/>' + "".join(f'<path d="M{x} 5 v6 h2"/>' for x in range(0, 90, 9))
-    plan = drawing.load(svg(tmp_path, body), BOARD)
+    plan = drawing.load(svg(tmp_path, body), plotter_board())
     objects = plan.objects(most)
     assert max(len(points) for points in objects) <= most
     assert all(not points[0][0] for points in objects)
@@ -292,9 +296,9 @@ def test_objects_hold_every_line_and_no_more_points_than_asked(tmp_path, most):
 STEPS = st.lists(st.lists(st.tuples(st.integers(0, 9000), st.integers(0, 9000)), min_size=2, max_size=6), max_size=8)
 
 
-@given(STEPS, st.sampled_from([BOARD, boards.load("plotter_esp32"), boards.load("corexy_plotter")]))
+@given(STEPS, st.sampled_from(["plotter_2014", "plotter_esp32", "corexy_plotter"]))
 def test_the_time_of_lines_is_that_of_their_objects(lines, board):
-    times = estimate.Estimate(checked(board))
+    times = estimate.Estimate(checked(boards.load(board)))
     assert times.lines_s(lines) == pytest.approx(sum(sum(times.object_s(points)) for points in drawing._cut_objects(lines, sys.maxsize)))
 
 
@@ -327,15 +331,15 @@ def test_a_line_that_lies_on_itself_is_thinned_soon():
 
 def test_the_digest_tells_drawings_and_places_apart(tmp_path):
     path = svg(tmp_path, '<circle cx="50" cy="50" r="40"/>')
-    digest = drawing.load(path, BOARD).digest(1000)
-    assert drawing.load(path, BOARD).digest(1000) == digest
-    assert drawing.load(path, BOARD, Options(origin=(1, 1))).digest(1000) != digest
-    assert drawing.load(path, BOARD).digest(10) != digest
+    digest = drawing.load(path, plotter_board()).digest(1000)
+    assert drawing.load(path, plotter_board()).digest(1000) == digest
+    assert drawing.load(path, plotter_board(), Options(origin=(1, 1))).digest(1000) != digest
+    assert drawing.load(path, plotter_board()).digest(10) != digest
 
 
 def test_the_contour_map_is_a_real_drawing(tmp_path):
     contours.save_contours(tmp_path / "map.svg")
-    plan = drawing.load(tmp_path / "map.svg", BOARD)
+    plan = drawing.load(tmp_path / "map.svg", plotter_board())
     assert plan.count_points() >= 5000
     assert plan.scale == 1
     assert size_of(plan.page_mm)[0] < 380 and size_of(plan.page_mm)[1] < 280
@@ -418,6 +422,8 @@ def amid_a_line(ask, least, most):
 
 
 def stop_amid_a_line(port, steps_per_mm):
+    from host_tools.clients.plotter import PlotterClient
+
     with PlotterClient(port) as client:
         amid_a_line(lambda: client.status()["x"], 8 * steps_per_mm, 20 * steps_per_mm)
         client.stop()
