@@ -10,7 +10,6 @@ from host_tools.emulator.halting import INTERRUPT_PIN, amid_start
 from host_tools.emulator.rig import Rig, router_board
 from host_tools.emulator.traffic import move_packets
 from host_tools.sim.decoders import Pbl3770a
-from passo.options.drive_pbl3770a import drive as pbl3770a
 
 pytestmark = [pytest.mark.on_a_copy]
 ONE_AXIS_HZ = (10_000, 50_000, 100_000, 200_000, 250_000, 480_000)
@@ -123,6 +122,8 @@ def test_two_motors_with_two_winding_chips_each(uf2, mode):  # noqa: F811
 
 def turned(edges, mode):
     """Steps of two motors by the edges of their twelve pins."""
+    from passo.options.drive_pbl3770a import drive as pbl3770a
+
     errors = []
     motors = [Pbl3770a(mode, shift, 0, lambda *error: errors.append(error)) for shift in (0, 6)]
     levels, places = pbl3770a.OFF * 0b1000001, [0, 0]

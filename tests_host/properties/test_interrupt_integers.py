@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passo.options.drive_unipolar import drive as unipolar
 from passo.motion import line, planner
 from passo.motion.line import MAX_STEPS
 from passo.motion.planner import Block
@@ -181,4 +180,6 @@ def test_the_stand_in_would_notice():
         words[0] = 1 << 30
     with pytest.raises(OverflowError):
         words[0] = Small(1 << 20) * (1 << 12)
+    from passo.options.drive_unipolar import drive as unipolar
+
     assert bytes(unipolar.MODES["half"])

@@ -11,7 +11,6 @@ from host_tools.sim.machine import VirtualMachine
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
-from passo.options.gantry.errors import SQUARED
 
 PULL_OFF = 640
 RACK = 200
@@ -74,6 +73,8 @@ def test_a_step_between_the_position_and_the_look_is_counted(name, monkeypatch):
 @pytest.mark.parametrize("racked", (-20, -7, -1, 0, 1, 12, 20))
 @pytest.mark.parametrize("offset", (0, 15, -9))
 def test_a_racked_gantry_comes_out_square(racked, offset):
+    from passo.options.gantry.errors import SQUARED
+
     router = machine(("x", "x2", "y"), options={"bounce_ms": 2, "racked": racked}, offset_steps=offset)
     assert router.plant.skew_steps() == racked
     router.go("$H")

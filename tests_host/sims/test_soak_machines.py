@@ -13,7 +13,6 @@ from host_tools.sim.machine import VirtualMachine
 from passo.options.jobs import config as job_store
 from passo.control.inputs import Inputs
 from passo.control.state import MachineState
-from passo.options.interlock.port_virtual import VirtualInterlock
 from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl.protocol import Grbl
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
@@ -91,6 +90,8 @@ def believes_any_sum(monkeypatch):
 
 def filters_nothing(monkeypatch):
     """The interlock takes each edge for a change that lasts."""
+    from passo.options.interlock.port_virtual import VirtualInterlock
+
     begin = VirtualInterlock.__init__
 
     def hasty(self, *arguments):

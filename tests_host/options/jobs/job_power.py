@@ -13,7 +13,6 @@ from binascii import crc32
 
 from check_jobs import stored_form
 from passo.options.jobs import config as job_store
-from passo.options.card.config import CardStore
 from passo.options.jobs.config import JobStore
 
 JobStore.root = "/flash/"
@@ -150,7 +149,12 @@ def full(system, store_class, device, image):
 
 
 def main(kind):
-    system, store_class, geometry = (vfs.VfsLfs2, JobStore, FLASH) if kind == "lfs" else (vfs.VfsFat, CardStore, CARD)
+    if kind == "lfs":
+        system, store_class, geometry = vfs.VfsLfs2, JobStore, FLASH
+    else:
+        from passo.options.card.config import CardStore
+
+        system, store_class, geometry = vfs.VfsFat, CardStore, CARD
     gc.disable()  # files that a power cut has left open would be closed, and written
     job_store.gc = Nothing()
     device = Device(*geometry)
