@@ -31,7 +31,7 @@ PAIRS = {
     PT / "core.md": ROOT / "docs" / "use" / "core.md", PT / "calibration.md": ROOT / "docs" / "use" / "calibration.md", PT / "experiments.md": ROOT / "docs" / "use" / "experiments.md", PT / "map.md": ROOT / "docs" / "README.md", **{PT / "machines" / guide.name: guide for guide in GUIDES},
 }  # fmt: skip
 MOVED = "## Where a page went"  # one table, for all languages
-NO_USB = "two_motor_kit", "torch_manipulator", "lpt_router", "plotter_2014"  # board files without a link on USB
+NO_USB = {"two_motor_kit": "kit", "torch_manipulator": "torch", "lpt_router": "parallel-port", "plotter_2014": "plotter"}  # {board file without a link on USB: guide}
 MOST_BYTES = 150_000
 # Words that no sentence in Portuguese has.
 ENGLISH = re.compile(r"\b(the|of|and|is|are|with|which|from|when|if|then|an|to|it|that|this|your|you|not|by|at|on|in|off|or|see)\b", re.IGNORECASE)
@@ -112,11 +112,9 @@ OLD = (
 ).split()
 
 
-STEMS = {path.stem for path in PAGES}  # a page of an option goes with it
-
-
-@pytest.mark.parametrize("old", [old for old in OLD if Path(old).name in STEMS])
+@pytest.mark.parametrize("old", [old for old in OLD if any(path.as_posix().endswith(f"/{old}.md") for path in PAGES)])
 def test_an_old_path_says_where_the_page_went(old):
+    """Of the pages that are there: some go with an option."""
     rows = dict(re.findall(r"^\| (docs/\S+) \| \[[^]]+\]\(([^)]+)\) \|$", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), re.MULTILINE))
     new = ROOT / "docs" / rows[f"docs/{old}.md"]
     assert new.is_file() and new.stem == Path(old).name
@@ -135,14 +133,15 @@ def test_a_page_begins_with_its_end_and_its_set_up(page):
         assert SET_UP.search(text[: commands.start()]), "one line of set-up, to be pasted, before the first command"
 
 
-@pytest.mark.parametrize("board", NO_USB)
-def test_a_copy_of_the_board_file_that_speaks_on_usb(board):
+@pytest.mark.parametrize("board, guide", NO_USB.items())
+def test_a_copy_of_the_board_file_that_speaks_on_usb(board, guide):
     """As their pages say to whoever has no serial adapter."""
     loaded = boards.load(board)
     checked = boardfile.check({**loaded, "links": [{**link, "port": "usb"} for link in loaded["links"]]})
     assert [link["port"] for link in checked["links"]] == ["usb"]
-    pages = [guide.read_text(encoding="utf-8") for guide in GUIDES if f"passo flash --board {board} " in guide.read_text(encoding="utf-8")]
-    assert pages and all('`"port": "usb"` for `"port": "uart0"`' in text for text in pages)
+    pages = [path.read_text(encoding="utf-8") for path in GUIDES if f"passo flash --board {board} " in path.read_text(encoding="utf-8")]
+    assert (ROOT / "docs" / "start" / "machines" / f"{guide}.md").read_text(encoding="utf-8") in pages
+    assert all('`"port": "usb"` for `"port": "uart0"`' in text for text in pages)
 
 
 def test_an_adapter_has_its_reason():
