@@ -1,8 +1,8 @@
 """A plug-in of pytest for a copy without an option (without.py): tests that ask for it at run time go with it.
 
-PASSO_GONE has the names of the options, languages, boards, tools and pages removed. A test asks for one if it, or a program that it starts, loads a board file with the
-option's key, or one of these boards, if it reads one of these pages, or if a file of tests_host imports the module. It is skipped: "goes with parking". An import of such a module by any
-other file is a fault.
+PASSO_GONE has the names of the options, languages, boards, tools and pages removed. A test asks for one if it, or a program that it starts, loads a board file with
+the option's key, or one of these boards; if it reads one of these pages or board files; or if a file of tests_host imports the module. It is skipped: "goes with
+parking". An import of such a module by any other file is a fault.
 """
 
 import os
@@ -39,7 +39,7 @@ def _names_in(error):
     if isinstance(error, ModuleNotFoundError) and (error.name or "").startswith("passo."):
         return {error.name.split(".")[2]} if error.name.count(".") > 1 and _TESTS in _importer(error).parts else set()
     if isinstance(error, FileNotFoundError):
-        return {name for name in GONE if str(error.filename).endswith("/" + name)}
+        return {name for name in GONE if str(error.filename).endswith(f"/{name[7:]}.py" if name.startswith("boards.") else "/" + name)}
     return {start + name for start, texts in _TEXTS.items() for found in re.finditer(texts, str(error)) for name in found.groups() if name}
 
 

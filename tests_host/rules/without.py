@@ -110,7 +110,7 @@ def pages_with(gone, languages, lost):
         if page and not section:
             found.add((ROOT / "docs" / "reference" / page).resolve())
     found |= {path for path in _pages() if path.stem in languages and path.parent.name in ("languages", "use", "machines")}
-    commands = re.compile(r"--board (%s)\b" % "|".join(sorted(lost))) if lost else None
+    commands = re.compile(r"(?:--board|passo wiring) (%s)\b" % "|".join(sorted(lost))) if lost else None
     found |= {path for path in _pages() if commands and commands.search(path.read_text(encoding="utf-8"))}
     found |= {ROOT / "docs" / "pt" / path.relative_to(ROOT / "docs" / each) for path in found for each in ("start", "use") if path.is_relative_to(ROOT / "docs" / each)}
     return {path for path in found if path.is_file() and path.relative_to(ROOT).as_posix() not in _ROOTS}
