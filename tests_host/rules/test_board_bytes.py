@@ -48,7 +48,7 @@ def test_a_base_changes_those_that_are_like_it(tmp_path, monkeypatch):
     router = tmp_path / "router_3axis.py"
     router.write_text(router.read_text(encoding="utf-8").replace('"pull_off_steps": 640', '"pull_off_steps": 650'), encoding="utf-8")
     assert changes(before, rows()) == ["router_3axis", *boards.names_like("router_3axis")]
-    assert len(boards.names_like("router_3axis")) > 1
+    assert boards.names_like("router_3axis")  # one at least, even where some have gone with an option
 
 
 if __name__ == "__main__":
