@@ -132,7 +132,7 @@ def _unlink(copy):
 
         def leads(target, page=page, folder=folder):
             name, _, part = target.partition("#")
-            path = (folder / name).resolve() if name else page.resolve()
+            path = (folder / (name or "board-file.md" if page in sources else name or page.name)).resolve()
             return re.match(r"https?:|mailto:", target) or path.exists() and (not part or part in anchors.get(path, (part,)))
 
         made = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", lambda found: found[0] if leads(found[3]) else found[2], text)
@@ -151,7 +151,7 @@ def _is_left(name, folder, copy):
 
 
 def make(name, copy):
-    """Make the copy in a new folder. Returns {kind: names} of the options, languages, boards, modules of tools, tests and pages removed."""
+    """Make the copy in a new folder. Returns {kind: names} of the options, languages, boards, modules of tools, tests, pages and languages' parts in other folders removed."""
     gone, languages = parts(name)
     lost = boards_with(gone, languages)
     modules = {f"passo.options.{each}" for each in gone} | {f"passo.protocols.{each}" for each in languages} | {f"boards.{each}" for each in lost}
@@ -160,23 +160,26 @@ def make(name, copy):
     tests = own | set(users_of(modules | set(tools) | {path.stem for path in own if path.suffix == ".py"}, folders.TESTS).values())
     pages = pages_with(gone, languages, lost)
     files = [FIRMWARE / tree.OPTIONS / each for each in gone] + [LANGUAGES / each for each in languages]
-    files += [path for each in languages for path in [*(FIRMWARE / tree.OPTIONS).glob(f"*/language_{each}.py"), *LANGUAGES.glob(f"page/{each}.py")]]
+    parts_of = [path for each in languages for path in [*(FIRMWARE / tree.OPTIONS).glob(f"*/language_{each}.py"), *LANGUAGES.glob(f"page/{each}.py")]]
     files += [path for each in lost for path in [boards.path(each), *(ROOT / "docs").rglob(f"{each}.svg")]]
     shutil.copytree(ROOT, copy, ignore=_needless)
-    for path in {*files, *tools.values(), *tests, *pages}:
+    for path in {*files, *parts_of, *tools.values(), *tests, *pages}:
         left = copy / path.relative_to(ROOT)
+        if not left.exists():
+            continue  # with its folder
         shutil.rmtree(left) if path.is_dir() else left.unlink()
     for folder in (copy / "tests_host").glob("*/*"):
         if folder.is_dir() and not any(folder.glob("*.*")):
             shutil.rmtree(folder)
     _leave_rows(copy / "tests_host" / "golden" / "boards.txt", lambda row: row.split()[0] not in lost)
     only = _surface_of(lost) - _surface_of(set(boards.names()) - lost)
-    _leave_rows(copy / "tests_host" / "golden" / "surface.txt", lambda row: row not in only)
+    for surface in [copy / "tests_host" / "golden" / "surface.txt", *(copy / "tests_host" / "options").glob("*/surface.txt")]:
+        _leave_rows(surface, lambda row: row not in only)
     _make_environment(copy)
-    _unlink(copy)
-    run(copy, copy / "host_tools" / "build" / "reference.py")
-    _unlink(copy)
-    names = {what: sorted(path.relative_to(ROOT).as_posix() for path in paths) for what, paths in (("tests", tests), ("pages", pages))}
+    for _ in range(2):  # what links lead to shows the first, and what texts for it say the second
+        run(copy, copy / "host_tools" / "build" / "reference.py")
+        _unlink(copy)
+    names = {what: sorted(path.relative_to(ROOT).as_posix() for path in paths) for what, paths in (("tests", tests), ("pages", pages), ("parts", parts_of))}
     return {"options": sorted(gone), "languages": sorted(languages), "boards": sorted(lost), "tools": sorted(tools), **names}
 
 
@@ -227,7 +230,7 @@ def run_tests(copy, gone, *arguments):
     """Run pytest in a copy; `gone`: the result of make(). Returns (status, output)."""
     script = copy / "run.py"
     script.write_text(_RUN % str(copy / "tests_host" / "rules"), encoding="utf-8")
-    os.environ["PASSO_GONE"] = ",".join(gone["options"] + gone["languages"] + ["boards." + name for name in gone["boards"]] + gone["tools"] + gone["pages"])
+    os.environ["PASSO_GONE"] = ",".join(gone["options"] + gone["languages"] + ["boards." + name for name in gone["boards"]] + gone["tools"] + gone["pages"] + gone["parts"])
     try:
         return run(copy, script, "-q", "-p", "no:cacheprovider", "-p", "goes_with", *arguments, may_fail=True)
     finally:
