@@ -86,10 +86,10 @@ TEXTS = {
 }
 
 
-def texts():
+def texts(root=ROOT):
     for kind, (folders, files, expression) in TEXTS.items():
         for folder in folders:
-            for path in (ROOT / folder).glob(files):
+            for path in (root / folder).glob(files):
                 for found in re.findall(expression, path.read_text(encoding="utf-8")):
                     yield f"{kind} {found}"
 

@@ -21,6 +21,7 @@ if __name__ == "__main__":
     sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 import folders
+import test_surface
 
 from host_tools import boards, interpreter, options
 from host_tools.build import tree
@@ -122,8 +123,9 @@ def _anchor(heading):
 
 
 def _unlink(copy):
-    """Make plain text of links in the copy that lead nowhere, and of paths in inline code that are gone; of those in texts for docs/reference, too."""
+    """Make plain text of links in the copy that lead nowhere, and of paths, files and methods in inline code that are gone; of those in texts for docs/reference, too."""
     pages = [path for path in copy.rglob("*.md") if ".venv" not in path.parts]
+    lost = _code_names(ROOT) - _code_names(copy)
     anchors = {path.resolve(): {_anchor(line) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#")} for path in pages}
     sources = [*(copy / "firmware" / tree.OPTIONS).glob("*/words.py"), copy / "host_tools" / "build" / "board_keys.py"]
     for page in [*pages, *sources]:
@@ -137,8 +139,15 @@ def _unlink(copy):
 
         made = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", lambda found: found[0] if leads(found[3]) else found[2], text)
         made = re.sub(r"`([\w./]+/[\w.]+\.\w+)`", lambda found, folder=folder: found[0] if _is_left(found[1], folder, copy) else found[1], made)
+        made = re.sub(r"`((\w+)\.\w+)`", lambda found: found[1] if lost & {found[1], found[2]} else found[0], made)
         if made != text:
             page.write_text(made, encoding="utf-8")
+
+
+def _code_names(root):
+    """Return the names of classes and files of the firmware and the tools, as pages have them in inline code."""
+    paths = [path for folder in ("firmware", "host_tools") for path in (root / folder).rglob("*.py")]
+    return {name for path in paths for name in (path.name, *re.findall(r"^class (\w+)", path.read_text(encoding="utf-8"), re.MULTILINE))}
 
 
 def _is_left(name, folder, copy):
@@ -172,7 +181,7 @@ def make(name, copy):
         if folder.is_dir() and not any(folder.glob("*.*")):
             shutil.rmtree(folder)
     _leave_rows(copy / "tests_host" / "golden" / "boards.txt", lambda row: row.split()[0] not in lost)
-    only = _surface_of(lost) - _surface_of(set(boards.names()) - lost)
+    only = _surface_of(lost) - _surface_of(set(boards.names()) - lost) | set(test_surface.texts()) - set(test_surface.texts(copy))
     for surface in [copy / "tests_host" / "golden" / "surface.txt", *(copy / "tests_host" / "options").glob("*/surface.txt")]:
         _leave_rows(surface, lambda row: row not in only)
     _make_environment(copy)
