@@ -185,7 +185,7 @@ def make(name, copy):
     for surface in [copy / "tests_host" / "golden" / "surface.txt", *(copy / "tests_host" / "options").glob("*/surface.txt")]:
         _leave_rows(surface, lambda row: row not in only)
     _make_environment(copy)
-    for _ in range(2):  # what links lead to shows the first, and what texts for it say the second
+    for _ in range(2):  # the first removes links from the texts for the second
         run(copy, copy / "host_tools" / "build" / "reference.py")
         _unlink(copy)
     names = {what: sorted(path.relative_to(ROOT).as_posix() for path in paths) for what, paths in (("tests", tests), ("pages", pages), ("parts", parts_of))}
