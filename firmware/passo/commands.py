@@ -51,9 +51,6 @@ CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the o
 STILL = const(33)  # accepted at a stand, else refused as BUSY; `value`: (steps, steps/s) of a jog of each axis, which are kept, or 0
 SETTING = const(35)  # `target`: its number, None: which there are; `value`: in thousandths, None: tell it, or `tool`: as the board file has it
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
-# Weaving.
-WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on, a spec of options/weaving/motion.py; None: not at all
-SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
 # Of the network.
 ADMIT = const(39)  # `value` minutes: programs without a key may move the machine over the network, if the board file allows that
 # Of the journal of stored jobs.

@@ -321,8 +321,8 @@ def weave(
         passo torch weave 40 0 --shape trapezoid --left 200 --right 200
         passo torch weave 20 20 --centre 0,20 --amplitude 2
     """
+    from passo.options.weaving import language_torch
     from passo.options.weaving.motion import NAMES
-    from passo.protocols.torch import protocol as torch
 
     if shape not in NAMES[1:]:
         raise Failure("{!r} is no shape; {}", shape, ", ".join(NAMES[1:]))
@@ -336,7 +336,7 @@ def weave(
     with _connect_client(port, baud, log) as client:
         units = Units(board, False, client)
         to = [units.count_steps(axis, place) for axis, place in enumerate(places)]
-        client.order(torch.weave(spec, units.count_steps(0, x), units.count_steps(1, y), max(round(speed * 1000 / 60), 1), tuple(to), clockwise))
+        client.order(language_torch.weave(spec, units.count_steps(0, x), units.count_steps(1, y), max(round(speed * 1000 / 60), 1), tuple(to), clockwise))
         _wait_and_show(client, units, wait)
 
 

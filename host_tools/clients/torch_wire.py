@@ -40,9 +40,11 @@ def frame_of(command):
     if kind == STILL:  # preferences: (steps of a jog, default steps/s)
         jogs, speeds = command.value
         return torch.configure(jogs[0], jogs[1], speeds[0], speeds[1])
-    if kind == commands.SEAM:
-        return torch.weave(command.value, command.target[0], command.target[1], command.feed // 1000, command.centre, command.clockwise)
-    return _FRAMES[kind]
+    if kind in _FRAMES:
+        return _FRAMES[kind]
+    from passo.options.weaving.language_torch import weave  # here: the other kinds need no option
+
+    return weave(command.value, command.target[0], command.target[1], command.feed // 1000, command.centre, command.clockwise)
 
 
 class Answers:

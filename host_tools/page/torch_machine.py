@@ -20,6 +20,10 @@ class TorchMachine(_Cabled):
     def __init__(self, write, tell, board):
         _Cabled.__init__(self, tell, TorchWire(write, self), board)
         self._dropped = None  # as the board has counted
+        if board.get("weaving"):
+            from passo.options.weaving.language_page import Seams  # here: other boards are without
+
+            Seams(self)
 
     def _show_fields(self, report):
         """Show a report; log a refusal if the board has dropped a frame, and end the jog."""

@@ -124,3 +124,5 @@ def check_a_seam():
     seam["shape"] = "circle"
     assert desk.order("weave", **seam) == errors.ORDER_FIELD
     assert desk.api.answer_order({"do": "weave"}, False)["error"] == errors.NO_SESSION
+    plain = connected(weaving=None)
+    assert plain.order("weave", **seam) == errors.UNKNOWN_COMMAND and "weave" in desk.machine.can and "weave" not in plain.machine.can

@@ -102,6 +102,7 @@ def plotter():
 
 
 def torch():
+    from passo.options.weaving.language_torch import weave
     from passo.protocols.torch import protocol
 
     connect = protocol.frame("CONNECT")
@@ -118,12 +119,12 @@ def torch():
                     data = b""
                 yield connect + data
             yield connect + protocol.frame("MOVE", protocol.integers(*values))
-        yield connect + protocol.weave((number & 255, 500, 900, 40, 40, number & 1), number, 9000, 500)
-        yield connect + protocol.weave((1, number, 900, 0, 0, 0), 9000, 9000, 5000)
-        yield connect + protocol.weave((1, 500, number, 0, 0, 0), 9000, 9000, 5000)
-        yield connect + protocol.weave((2, 500, 900, number, 0, 1), 9000, number, 5000)
-        yield connect + protocol.weave((3, 500, 900, 0, number, 0), 9000, 0, number)
-        yield connect + protocol.weave((1, 500, 900, 0, 0, 0), 9000, 0, 5000, (4500, number))
+        yield connect + weave((number & 255, 500, 900, 40, 40, number & 1), number, 9000, 500)
+        yield connect + weave((1, number, 900, 0, 0, 0), 9000, 9000, 5000)
+        yield connect + weave((1, 500, number, 0, 0, 0), 9000, 9000, 5000)
+        yield connect + weave((2, 500, 900, number, 0, 1), 9000, number, 5000)
+        yield connect + weave((3, 500, 900, 0, number, 0), 9000, 0, number)
+        yield connect + weave((1, 500, 900, 0, 0, 0), 9000, 0, 5000, (4500, number))
     for what in range(256):
         for value in (0, 1, 2, 127, 128, 255):
             yield connect + protocol.passo(what, value)

@@ -62,7 +62,6 @@ BY_KEY = ("board_error.py", "parts.py", "error_texts.py")
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {
     "passo/protocols/page/orders.py": {"jobs"},  # a word of the page: the files of its own
-    "passo/protocols/page/torch.py": {"weaving"},
 }
 
 # Shared by languages; otherwise none imports another.

@@ -72,7 +72,7 @@ def statuses():
     return [f"status {row[1]}" for row in STATUS_WORDS] + [f"input {row[0]} {row[1]}" for row in rows]
 
 
-PAGES = ("firmware/passo/protocols/page", "firmware/passo/options/jobs", "firmware/passo/web", "host_tools/page", "host_tools/panel")
+PAGES = ("firmware/passo/protocols/page", "firmware/passo/options/jobs", "firmware/passo/options/weaving", "firmware/passo/web", "host_tools/page", "host_tools/panel")
 
 # {kind: (folders, files, expression)} of texts in the source.
 TEXTS = {

@@ -4,9 +4,11 @@ from array import array
 from hashlib import sha256
 from math import atan2, cos, pi, sin, sqrt
 
+from passo import errors
 from passo.app import App
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.options.weaving import language_torch
 from passo.options.weaving import motion as weave
 from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.torch import protocol as torch
@@ -14,6 +16,7 @@ from passo.records import TICKS_PER_MS, TICKS_PER_S
 
 from boards.router_3axis import BOARD as ROUTER
 from boards.torch_manipulator import BOARD
+from served_pages import OnBoard, OnCable
 
 STEPS_PER_M = (48_000, 83_000)
 CASES = {
@@ -199,7 +202,7 @@ class Words(Nothing):
 class Welder:
     def __init__(self, protocol, base=BOARD, **weaving):
         board = dict(base)
-        board["weaving"] = weaving
+        board["weaving"] = weaving or None
         if base is BOARD:
             board["outputs"] = []
         link = dict(base["links"][0])
@@ -303,15 +306,41 @@ def check_a_hold_on_a_seam_loses_nothing():
 def check_the_torch_weaves():
     welder = Welder("torch", steady_mm_min=1200)
     spec = weave.TRAPEZOID, 2000, 4000, 100, 100, 0
-    welder.say(torch.weave(spec, 48 * 20, 83 * 5, 10_000))
+    welder.say(language_torch.weave(spec, 48 * 20, 83 * 5, 10_000))
     assert welder.world.place == [48 * 20, 83 * 5]
     first = len(welder.world.path)
-    welder.say(torch.weave(spec, 0, 0, 10_000, (0, 83 * 15)))
+    welder.say(language_torch.weave(spec, 0, 0, 10_000, (0, 83 * 15)))
     assert welder.world.place == [48 * 20, 83 * 5] and len(welder.world.path) > first + 4000
     assert max([y for _, _, y in welder.world.path]) > 83 * 33
-    welder.say(torch.weave((9, 1, 1, 0, 0, 0), 480, 0, 10_000))
+    welder.say(language_torch.weave((9, 1, 1, 0, 0, 0), 480, 0, 10_000))
     welder.say(torch.move(480, 480, 0, 0), 400)
     assert welder.world.place == [48 * 30, 83 * 5]
+
+
+def check_a_board_without_it_refuses_the_frame():
+    """And does the one behind it."""
+    plain = Welder("torch")
+    plain.say(language_torch.weave((1, 2000, 4000, 0, 0, 0), 480, 0, 10_000) + torch.move(480, 480, 0, 0), 400)
+    assert plain.app.controller.machine.log.last == errors.UNKNOWN_COMMAND and plain.world.place == [480, 0]
+
+
+def check_the_pages_of_a_board_and_of_a_pc_weave():
+    seen = []
+    for served in (OnBoard, OnCable):
+        desk = served("torch_manipulator")
+        page = desk.page()
+        page.until(lambda state: state["link"])
+        if desk.commands() != desk.mine:
+            page.order("give", to="page")
+            desk.run_ms(300)
+        page.order("output", name="motors_on")
+        desk.run_ms(300)
+        before = desk.place()
+        assert "weave" in page.hello["can"]
+        assert page.order("weave", shape="sine", to={"x": 10, "y": 5}, amplitude=2, pitch=4, speed=600)["error"] == 0
+        desk.run_ms(4000)
+        seen.append([one - other for one, other in zip(desk.place(), before)])
+    assert seen == [[480, 415]] * 2, seen
 
 
 def check_what_is_refused():

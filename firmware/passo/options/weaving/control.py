@@ -6,6 +6,7 @@ WEAVE, `value`: a spec (motion.py) or None, holds for the lines and arcs at a fe
 from passo import commands, errors
 from passo.control.feature import ANEW
 from passo.control.program import Program
+from passo.options.weaving.commands import SEAM, WEAVE
 from passo.options.weaving import motion as weave
 
 
@@ -22,7 +23,7 @@ class Weaving(Program):
 
     def handlers(self):
         handlers = Program.handlers(self)
-        handlers.update({commands.WEAVE: self._set_spec, commands.SEAM: self._do_seam})
+        handlers.update({WEAVE: self._set_spec, SEAM: self._do_seam})
         return handlers
 
     def _set_spec(self, command):

@@ -1,7 +1,8 @@
 """`$WEAVE=`: which way the lines and arcs of a link that speaks grbl are woven."""
 
-from passo import commands, errors
+from passo import errors
 from passo.commands import Command
+from passo.options.weaving.commands import WEAVE
 from passo.protocols.gcode.words import X
 
 
@@ -14,7 +15,7 @@ def weave_commands(words, text):
     """Return the command of SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]] (docs/use/weaving.md) or of 0, off; or the number of an error. `words`: the
     parser's."""
     if text == "0":
-        return [Command(commands.WEAVE, value=None)]
+        return [Command(WEAVE, value=None)]
     parts = (text + ",0,0,0").split(",")[:6]
     spec = []
     for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
@@ -22,4 +23,4 @@ def weave_commands(words, text):
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER
         spec.append(words.word_value(X, places))
-    return [Command(commands.WEAVE, value=tuple(spec))]
+    return [Command(WEAVE, value=tuple(spec))]

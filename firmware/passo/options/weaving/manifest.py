@@ -7,7 +7,8 @@ RULES = {
 
 
 def check(board):
-    """Add the feature, and `$WEAVE=` to grbl."""
+    """Add the feature, `$WEAVE=` to grbl, and seams to the torch's frames and to its page."""
     board["additions"].features["program"] = "passo.options.weaving.control", "Weaving"
-    if "grbl" in [link["protocol"] for link in board["links"]]:
-        board["additions"].languages.append("passo.options.weaving.language_grbl")
+    spoken = [link["protocol"] for link in board["links"]]
+    pages = ["page" for link in board["links"] if link["port"] == "page" and link["protocol"] == "torch"]
+    board["additions"].add_languages("passo.options.weaving.language_", [language for language in ("grbl", "torch") if language in spoken] + pages[:1])

@@ -34,7 +34,7 @@ _JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 
 class Page:
     def __init__(self, machine_of, language):
-        """`machine_of(tell)`: a PageMachine; `language`: the name of its link's."""
+        """`machine_of(tell)`: a PageMachine, which options teach their orders; `language`: the name of its link's."""
         self._language = language
         self._messages = []  # to pages: messages to all, and answers to orders
         self._ordered = None  # the command of an order that is being carried out
@@ -51,13 +51,13 @@ class Page:
         self._hello = Command(HELLO)
         self._hello.reply = Event(ACCEPTED, self._hello)
         self._jobs = None
-        self._machine = machine_of(self.tell)
-        self._orders = Orders(self._machine)
+        self.machine = machine_of(self.tell)
+        self._orders = Orders(self.machine)
         self.first_message = self._orders.first_message  # hello(): a page's first message, a dict
 
     def add_jobs(self, jobs_of):
         """Add the jobs that the board stores. `jobs_of`: the class StoredJobs of options/jobs/language_page.py."""
-        self._jobs = jobs_of(self._machine, self.tell, self._language)
+        self._jobs = jobs_of(self.machine, self.tell, self._language)
 
     def tell(self, event):
         """Queue a message for every page, a dict."""
@@ -67,7 +67,7 @@ class Page:
 
     def feed(self, data, now_ms):
         """Take a message of the server, and yield its commands; the caller carries out each before it asks for the next."""
-        machine = self._machine
+        machine = self.machine
         if not data and not (machine.jog.active or self._messages or machine.pending()):
             return ()
         machine.refresh_state(now_ms)
@@ -88,7 +88,7 @@ class Page:
         """Yield the status command for the pages' state; before it the commands of a stored job."""
         if self._jobs:
             self._jobs.poll()
-            for command in self._machine.commands():
+            for command in self.machine.commands():
                 yield command
         yield self._status
 
@@ -100,10 +100,10 @@ class Page:
         except ValueError:
             order, answer = None, {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
         else:
-            if proven and isinstance(order, dict) and order.get("do") in self._machine.from_here:
+            if proven and isinstance(order, dict) and order.get("do") in self.machine.from_here:
                 yield self._status
             answer = self._orders.answer_order(order, proven)
-            for command in self._machine.commands():
+            for command in self.machine.commands():
                 self._ordered = command
                 yield command
             self._ordered = None
@@ -119,7 +119,7 @@ class Page:
 
     def _new_commands(self, now_ms):
         """Yield the commands that wait, and a status question each _JOG_ASK_MS of a jog."""
-        machine = self._machine
+        machine = self.machine
         if machine.jog.active and ms_since(now_ms, self._asked_ms) >= _JOG_ASK_MS:
             self._asked_ms = now_ms
             yield self._status
@@ -136,7 +136,7 @@ class Page:
         if command is self._status:
             self._show_report(event.value)
         elif command is not self._hello:
-            error = self._machine.take_answer(event)
+            error = self.machine.take_answer(event)
             if command is self._ordered:
                 self._refused = self._refused or error
             return b""
@@ -145,17 +145,17 @@ class Page:
 
     def push_bytes(self, event):
         """Take an event; the next feed() brings it to the pages."""
-        self._machine.take_event(event)
+        self.machine.take_event(event)
         return b""
 
     def drop(self, event):
         """Forget the commands held back."""
-        self._machine.drop(event)
+        self.machine.drop(event)
         return b""
 
     def _show_report(self, report):
         """Take a report into the machine's state, and queue the state if pages want it."""
-        machine = self._machine
+        machine = self.machine
         machine.report(report)
         if not self._wanted:
             return

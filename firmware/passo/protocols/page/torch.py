@@ -1,4 +1,4 @@
-"""The page of a torch, whose axes run on their own: straight positions, moves with a speed of each axis, seams, preferences of jogs.
+"""The page of a torch, whose axes run on their own: straight positions, moves with a speed of each axis, preferences of jogs.
 
     machine = TorchPage(record, number, board, tell, language)
 
@@ -9,25 +9,21 @@ of the steps asked for, 100 ms or one jog.
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import STILL, Command, Motion
+from passo.commands import STILL, Command
 from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, ZERO, Run
 from passo.protocols.page.lease import ms_since
-from passo.protocols.page.orders import Wrong, number_field, positions_field, text_field
+from passo.protocols.page.orders import Wrong, number_field, positions_field
 from passo.protocols.page.page_machine import PageMachine
 
 REPEAT_MS = const(40)  # between two jogs of one that is held
 _MOST_JOG_MM = 100.0
 _MOST_SCALE = 100_000.0
 _X_SCALE = const(100)  # steps/mm of x, of the settings
-_MOST_UM_S = const(1_000_000)
-_SHAPES = ("zigzag", "triangle", "trapezoid", "sine")  # from 1 on
 
 
 def can_of(board):
     """The orders of a board's page, a tuple."""
     words = ["place", "jog", "step", "goto", "jog_speed", "unlock", "log", "origin"]
-    if board.get("weaving"):
-        words.append("weave")
     if [output for output in board["outputs"] if output["role"] == "ours"]:
         words.append("motors")
     return tuple(words)
@@ -69,22 +65,6 @@ def preferences_message(jogs, speeds, scale):
     }  # fmt: skip
 
 
-def seam_of(order, scale):
-    """(spec of a weave, steps to the end from here, µm/s, steps to the centre or (0, 0)) of an order for a seam to (x, y) mm from here; its field
-    `centre` makes it an arc about that position. Raises Wrong."""
-    if text_field(order, "shape", 12) not in _SHAPES:
-        raise Wrong("shape")
-    to = positions_field(order, "to", "xy")
-    centre = positions_field(order, "centre", "xy") if "centre" in order else {}
-    spec = (
-        _SHAPES.index(order["shape"]) + 1, round(number_field(order, "amplitude", 0.001, 100) * 1000), round(number_field(order, "pitch", 0.1, 1000) * 1000),
-        int(number_field(order, "left", 0, 60_000, 0)), int(number_field(order, "right", 0, 60_000, 0)), 1 if order.get("along") else 0,
-    )  # fmt: skip
-    speed = max(1, min(_MOST_UM_S, round(number_field(order, "speed", 0.1, 50_000) * 1000 / 60)))
-    ends = [[round(position.get("xy"[axis], 0) * scale[axis]) for axis in range(2)] for position in (to, centre)]
-    return spec, ends[0], speed, ends[1]
-
-
 class TorchPage(PageMachine):
     language = "torch"
 
@@ -101,7 +81,7 @@ class TorchPage(PageMachine):
         self._way = None  # the jog that is held: axis and sign
         self._repeated_ms = 0
         self._dropped = 0
-        self.orders = {"move": self._order_move, "configure": self._set_preferences, "origin": self._set_origin, "weave": self._weave_seam, "preferences": self._tell_preferences}
+        self.orders = {"move": self._order_move, "configure": self._set_preferences, "origin": self._set_origin, "preferences": self._tell_preferences}
         self.scale = self.scale[:2]
 
     def _take_jogs(self, settings):
@@ -201,19 +181,6 @@ class TorchPage(PageMachine):
 
     def _set_origin(self, order):
         return self.refusal() or self.busy_error() or self.queue_command(Command(ZERO))
-
-    def _weave_seam(self, order):
-        """Queue a seam, see seam_of(). Returns 0 or an error. Raises Wrong."""
-        spec, to, speed, centre = seam_of(order, self.scale)
-        if max([abs(part) for part in to + centre]) >= FOREVER:
-            return errors.TRAVEL
-        command = Motion(commands.SEAM, to)
-        command.value = spec
-        command.clockwise = bool(order.get("clockwise"))
-        command.centre = tuple(centre)
-        command.over_half = not to[0] and not to[1]
-        command.feed = speed * 1000
-        return self.refusal() or self.busy_error() or self.queue_command(command)
 
     # --- the jog
 

@@ -1,5 +1,6 @@
 """The torch manipulator's language on a link: frames, or its HTTP table if the link's port is "http"."""
 
+from passo.protocols import extend_language
 from passo.protocols.setting_lines import add_jogs
 from passo.protocols.torch.protocol import Torch
 
@@ -28,4 +29,4 @@ def create(link, number, board, controller, shared, most):
         from passo.protocols.torch.forms import Forms  # here: few boards have a radio
 
         return Forms(controller.machine)
-    return Torch(controller.machine.settings, link["idle_gap_ms"], link["tell_end"])
+    return extend_language(Torch(controller.machine.settings, link["idle_gap_ms"], link["tell_end"]), board, "torch")

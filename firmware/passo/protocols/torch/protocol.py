@@ -10,7 +10,7 @@ a move has ended, if it is asked to. A jog that is repeated while it runs goes o
 board file's jog.ahead_ms in advance. A frame that comes while the machine moves, and is no repeated jog, stop or question, is dropped:
 `dropped` counts it, and the event log has the reason.
 
-WEAVE, `66 shape along way` and nine integers, is a seam (weave(), options/weaving/motion.py), refused unless the board file has `weaving`.
+An option teaches a frame by learn_frame(); OF_OPTIONS has the lengths of such frames, and without the option the board refuses them.
 PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, a jog's code for a number of
 whole jogs as one, and LINE, a character of a line about settings (setting_lines.py, typed_words.py). Its answer comes in frames `77 24
 count text 0xFF` of up to 13 bytes of text. The frames' cutting (frames.py) cannot see a frame that lost bytes and was filled up by those of
@@ -23,7 +23,7 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, ADMIT, BAD, CONNECT, FINISHED, HAND_OVER, REFUSED, RESET, RUN, SEAM, STATUS, STILL, STOP, UNLOCK, Command, Motion
+from passo.commands import ACCEPTED, ADMIT, BAD, CONNECT, FINISHED, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP, UNLOCK, Command
 from passo.options.independent.commands import AS_JOG, AT_REST, FOREVER, ZERO, Run
 from passo.protocols.setting_lines import teach_lines
 from passo.protocols.torch.frames import END, Cutter
@@ -43,7 +43,6 @@ CODES = {
     "JOG_Y+": 0xF4,
     "JOG_Y-": 0xF1,
     "PASSO": 0x77,
-    "WEAVE": 0x66,
 }
 _MOVE = const(0xFE)
 _STOP = const(0xDD)
@@ -51,10 +50,11 @@ _INFO = const(0xBB)
 _FINISHED = const(0xAA)
 _CONFIGURE = const(0x99)
 _PASSO = const(0x77)
-_WEAVE = const(0x66)
 _JOGS = {0xF9: (0, 1), 0xF7: (0, -1), 0xF4: (1, 1), 0xF1: (1, -1)}
 _LENGTHS = {code: 2 for code in CODES.values()}
-_LENGTHS.update({_MOVE: 18, _CONFIGURE: 18, _PASSO: 5, _WEAVE: 41})
+_LENGTHS.update({_MOVE: 18, _CONFIGURE: 18, _PASSO: 5})
+OF_OPTIONS = {0x66: 41}  # lengths of the frames that options teach
+_LENGTHS.update(OF_OPTIONS)
 _SHORTER = {_CONFIGURE: 14}  # the length of the document's table: one jog for both axes
 _MOVING = (0xF9, 0xF7, 0xF4, 0xF1, 0xEE, 0xCC, 0x88)  # two bytes that may not come about by a torn frame's end
 ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
@@ -93,14 +93,6 @@ def move(x_steps, x_speed, y_steps, y_speed):
 def configure(x_jog, y_jog, x_speed, y_speed):
     """Return the frame of CONFIGURE: steps of a jog, and default speeds in steps/s."""
     return frame("CONFIGURE", integers(x_jog, y_jog, x_speed, y_speed))
-
-
-def weave(spec, x, y, speed_um_s, centre=(0, 0), clockwise=False):
-    """Return the frame of a seam to (x, y) steps from here, woven by a spec of options/weaving/motion.py, at `speed_um_s`; about `centre`, steps from
-    here, if that is not 0;0."""
-    shape, amplitude, pitch, left, right, along = spec
-    head = bytes((shape, along, 1 if clockwise else 0))
-    return frame("WEAVE", head + integers(amplitude, pitch, left, right, x, y, centre[0], centre[1], speed_um_s))
 
 
 def passo(what, value=0):
@@ -168,20 +160,6 @@ def _one_jog(data):
     return jog, jog, x_speed, y_speed
 
 
-def _seam_command(data):
-    """Return the Command of a WEAVE."""
-    amplitude, pitch, left, right, x, y, to_x, to_y, speed = struct.unpack_from(">IIIIiiiiI", data, 4)
-    if max(abs(x), abs(y), abs(to_x), abs(to_y)) >= FOREVER or not 0 < speed < 1_000_000:
-        return Command(BAD, error=errors.TRAVEL)
-    command = Motion(SEAM, [x, y])
-    command.value = data[1], amplitude, pitch, left, right, data[2]
-    command.clockwise = data[3] == 1
-    command.centre = to_x, to_y
-    command.over_half = x == 0 and y == 0
-    command.feed = speed * 1000
-    return command
-
-
 def answer_cutter(gap_ms=200):
     """Return a Cutter of a board's answers."""
     return Cutter(ANSWER_LENGTHS, gap_ms)
@@ -203,6 +181,11 @@ class Torch:
         self._cutter = Cutter(_LENGTHS, gap_ms, _SHORTER, _MOVING)
         self._error = 0  # the last number in the log that no STATUS has told
         self._asked = None  # a command whose answer decides what the frames behind it mean
+        self._readers = {}  # of options' frames, by code, see learn_frame()
+
+    def learn_frame(self, code, command_of):
+        """Take an option's frame, whose code OF_OPTIONS has: command_of(frame) returns its Command."""
+        self._readers[code] = command_of
 
     @micropython.native
     def feed(self, data, now_ms):
@@ -232,8 +215,9 @@ class Torch:
             return self._configure_command(data)
         if code == _PASSO:
             return self._passo_command(data)
-        if code == _WEAVE:
-            return _seam_command(data)
+        if code in OF_OPTIONS:
+            command_of = self._readers.get(code)
+            return command_of(data) if command_of else Command(BAD, error=errors.UNKNOWN_COMMAND)
         return self._simple_command(code)
 
     def _simple_command(self, code):
