@@ -34,7 +34,7 @@ BOARD = {
         "debounce_ms": 5,
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 20000},
-    "planning": {"junction_um": 10, "arc_um": 2},
+    "planning": {"junction_um": 10, "arc_um": 2, "s_curves": True},
     "idle_release_ms": 60000,
     "store_points": 1000,
     "journal": {"every_ms": 1000},

@@ -38,7 +38,7 @@ BOARD = {
         "debounce_ms": 5,
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 40000},
-    "planning": {"junction_um": 10, "arc_um": 2},
+    "planning": {"junction_um": 10, "arc_um": 2, "s_curves": True},
     "spindle": {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 7, "pwm_hz": 50000, "laser": True,
                 "coolant_ms": 1000},  # after the door: wait so long for the air assist or exhaust
     "idle_release_ms": 0,

@@ -105,7 +105,7 @@ BOARD = {
         "debounce_ms": 5,
     },
     "speed": {"unit": "steps_per_s", "default": 2000, "min": 10, "max": 4000},
-    "planning": {"junction_um": 10, "arc_um": 2},
+    "planning": {"junction_um": 10, "arc_um": 2, "s_curves": True},
     "spindle": {"max_rpm": 18000, "min_rpm": 0, "spin_up_ms": 0, "coolant_ms": 0},
     "idle_release_ms": 0,
     "store_points": 500,

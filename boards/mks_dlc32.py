@@ -40,6 +40,7 @@ BOARD = {
         "debounce_ms": 5,
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 60000},
+    "planning": {"s_curves": True},
     # A router says "laser": False, and max_rpm of its spindle.
     "spindle": {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 32, "pwm_hz": 5000, "laser": True},
     "idle_release_ms": 0,

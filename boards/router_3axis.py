@@ -48,7 +48,7 @@ BOARD = {
         "debounce_ms": 5,
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 26000},
-    "planning": {"junction_um": 10, "arc_um": 2},
+    "planning": {"junction_um": 10, "arc_um": 2, "s_curves": True},
     # After the door, or a spindle stopped in a hold, cutting waits so long for spindle and coolant.
     "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,

@@ -55,7 +55,7 @@ BOARD = {
         "debounce_ms": 2,
     },
     "speed": {"unit": "steps_per_s", "default": 4000, "min": 10, "max": 10000},
-    "planning": {"junction_um": 10, "arc_um": 2},
+    "planning": {"junction_um": 10, "arc_um": 2, "s_curves": True},
     "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,
     "store_points": 1000,

@@ -57,7 +57,7 @@ BOARD = {
         "each": {"x": {"seek_steps_s": 2000, "pull_off_steps": 400}, "y": {"seek_steps_s": 2000, "pull_off_steps": 400}},
     },
     "speed": {"unit": "steps_per_s", "default": 4000, "min": 10, "max": 20000},
-    "planning": {"junction_um": 10, "arc_um": 2},
+    "planning": {"junction_um": 10, "arc_um": 2, "s_curves": True},
     "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,
     "store_points": 1000,

@@ -32,7 +32,7 @@ BOARD = {
     "changeover_ms": 20,
     "speed": {"unit": "steps_per_s", "default": 480, "min": 1, "max": 20000},
     # True: each axis of a move accelerates with accel_mm_s2; False: constant speed, as the original.
-    "planning": {"independent_ramps": False},
+    "planning": {"independent_ramps": False, "s_curves": True},
     # Seams from side to side, docs/use/weaving.md; up to 120 cm/min without ramps.
     "weaving": {"steady_mm_min": 1200},
     "idle_release_ms": 0,

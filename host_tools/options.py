@@ -3,8 +3,8 @@
     setting_rows()      # {58: ("parking: target, machine coordinate", "mm", -2000, 2000), …}
     status_names()      # {"Vac": "vacuum cleaner", …}
 
-A words.py may have SECTIONS and MEANINGS of keys for docs/reference/board-file.md; SETTINGS by number, AXIS_SETTINGS by the number of the first axis, and PAGE, where
-docs say more of them; STATUS, the words that it adds to status reports, each with a name for people; PORTUGUESE of all of these but SECTIONS and
+A words.py may have SECTIONS and MEANINGS of keys for docs/reference/board-file.md; SETTINGS by number, AXIS_SETTINGS by the number of the first axis, PAGE, where
+docs say more of them, and KEY, if a key's value asks for the option; STATUS, the words that it adds to status reports, each with a name for people; PORTUGUESE of all of these but SECTIONS and
 MEANINGS.
 """
 

@@ -91,7 +91,7 @@ class App:
         names = machine_builder.feature_names(board, languages)
         self.planner = machine_builder.planner(board, self.layout.axes)  # first: it takes the largest pieces of memory
         if "program" in names:
-            self.planner.load()
+            self.planner.load(machine_builder.jerk_limit(board))
         settings = Settings(board, Journal(slots or MemorySlots()), machine_builder.more_settings(languages), getattr(port, "writing", None))
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings

@@ -20,7 +20,7 @@ def _links_that(board, *ways):
 
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
-               "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.arcs")  # fmt: skip
+               "motion.arc", "motion.arc_speed", "motion.ellipse", "control.arcs")  # fmt: skip
 
 
 # Every feature, in any order: its module of control, its class, and the rule by which a board file
@@ -157,6 +157,12 @@ def planner(board, axes):
     """Make the planner of a board's motors; it plans in steps of the axes."""
     name = getattr(board.get("additions"), "motion", None)  # an option's module
     return __import__(name, None, None, ("Planner",)).Planner(axes, board) if name else Planner(axes)
+
+
+def jerk_limit(board):
+    """Return limit() of an option for ramps that keep to a jerk, or None."""
+    name = getattr(board.get("additions"), "ramps", None)
+    return __import__(name, None, None, ("limit",)).limit if name else None
 
 
 def queue(board, streamed):

@@ -271,7 +271,7 @@ def setting_rows():
         numbers = [*getattr(own, "SETTINGS", {}), *(first + axis for first in getattr(own, "AXIS_SETTINGS", {}) for axis in range(len(board["axes"])))]
         for number in numbers:
             name, unit, least, most = rule_of(number, len(board["axes"]))
-            rows.append(f"| `${number}` | {name} ([key `{option}`]({own.PAGE})) | {unit} | {least:g} … {most:.10g} | – |")
+            rows.append(f"| `${number}` | {name} ([key `{getattr(own, 'KEY', option)}`]({own.PAGE})) | {unit} | {least:g} … {most:.10g} | – |")
     return rows
 
 

@@ -43,7 +43,6 @@ NAMES = {
     181: ("pulses: least time between two, the drivers' interval", "µs", 1, 250_000),
     182: ("pulses: speed of moves by hand, and until a program says one", "mm/min", 1, 900_000),
     140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
-    141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
     **options.setting_rows(),
 }
 AXIS_NAMES = {

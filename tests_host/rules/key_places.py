@@ -20,7 +20,10 @@ REASONS = {
         "shift", "spi_drivers", "spindle", "tachometer", "tool", "homing.sensors", "kinematics", "rotary", "player", "changeover_ms", "step_program.port_bits",
         "step_program.port_invert",
     ),
-    "start": ("links", "network", "name", "commands", "clock_mhz", "psram", "store_points", "blackbox", "jobs", "journal", "step_program.cells", "speed.unit"),
+    "start": (
+        "links", "network", "name", "commands", "clock_mhz", "psram", "store_points", "blackbox", "jobs", "journal", "step_program.cells", "speed.unit",
+        "planning.s_curves",
+    ),
     "safety": (
         "interlock", "changeover_by", "homing", "links.lost", "links.lost_ms", "encoders.limit_steps", "encoders.correct", "gantry.limit_steps", "inputs.halt",
         "inputs.filter_us", "network.presence", "network.legacy_http",

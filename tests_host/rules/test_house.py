@@ -382,7 +382,7 @@ def test_only_steps_knows_the_feeders_state():
 
 # Modules of constants only: a module that reads many of them may import all.
 OF_CONSTANTS = ("passo.records", "passo.protocols.gcode.parse_records", "passo.protocols.grbl.report_records", "passo.ports.rp2.fields",
-                "passo.ports.rp2.registers", "passo.options.independent.records")  # fmt: skip
+                "passo.ports.rp2.registers", "passo.options.independent.records", "passo.options.planning_s_curves.records")  # fmt: skip
 
 
 def star_faults(tree, public):

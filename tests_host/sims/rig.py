@@ -20,6 +20,15 @@ DRIVES = {
 }
 
 
+def jerk_limit():
+    """limit() of the option for ramps that keep to a jerk; None where it has been taken out."""
+    try:
+        from passo.options.planning_s_curves.motion import limit
+    except ImportError:
+        return None
+    return limit
+
+
 class Rig:
     def __init__(self, drive="step_dir", axes=2, reversed_axes=(), size=4096, planner=None):
         kind, mode = DRIVES[drive]
@@ -33,7 +42,7 @@ class Rig:
         self.layout, self.drive, self.off = make_drive(self.board)
         self.ring = Ring(size)
         self.planner = planner or Planner(axes)
-        self.planner.load()
+        self.planner.load(jerk_limit())
         setup = SETUP_TICKS if kind == "step_dir" else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, self.drive, setup, LEAST_TICKS)
         self.played = 0

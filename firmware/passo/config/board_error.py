@@ -10,7 +10,7 @@ _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
 OF_OUTPUT = "output_"  # how the option of outputs of a name is called
 OF_INPUT = "input_"  # of inputs
 # Keys whose values ask for options, such as player_timer, or spindle_pwm if True, and the value that asks for none.
-VALUES = ("drive.kind", "step_dir"), ("player", "pio"), ("homing.latch", False), ("spindle.pwm", False)
+VALUES = ("drive.kind", "step_dir"), ("player", "pio"), ("homing.latch", False), ("planning.s_curves", False), ("spindle.pwm", False)
 _LIKE = const(50)  # percent of the pairs of letters in two names
 _LONGEST = const(1000)  # characters of a text
 
@@ -36,6 +36,7 @@ class Additions:
         self.languages = []  # names of modules whose extend(protocol, board) adds to a protocol of the language that ends their name
         self.extensions = {}  # the same modules, loaded, by language: see load_languages()
         self.motion = self.queue = None  # modules with its Planner and its Queue
+        self.ramps = None  # the module whose limit() has ramps keep to a jerk
         self.one_belt = False  # the first two axes have the same steps/mm
         self.ports = ()  # of links that are no cable
         self.lines = None  # the module that makes the lines of all links, where some are no cable: see machine_builder.lines_of()

@@ -64,7 +64,8 @@ _HOMING = {
     "high_end": (str, "", 0, 4),  # names of the axes that home at the positive end of their travel
 }
 _EACH = ("seek_steps_s", "locate_steps_s", "pull_off_steps")
-_PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000), "independent_ramps": (bool, False, 0, 1)}
+_PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000), "independent_ramps": (bool, False, 0, 1),
+             "s_curves": (bool, False, 0, 1)}  # fmt: skip
 _SPINDLE = {
     "max_rpm": (int, 1000, 1, 900_000),
     "min_rpm": (int, 0, 0, 900_000),

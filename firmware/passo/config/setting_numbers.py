@@ -35,7 +35,7 @@ SPEED = const(110)
 ACCELERATION = const(120)
 TRAVEL = const(130)
 START = const(140)  # Passo's own, and the next
-JERK = const(141)
+JERK = const(141)  # of an option
 JOG = const(150)  # languages that jog by steps have these, see their settings()
 JOG_SPEED = const(170)
 DRAWING_SPEED = const(180)
@@ -114,6 +114,5 @@ def make(board):
         MIN_RPM: ("spindle_min", 3, spindle["min_rpm"] * 1000, 0, 999_999_999),
         LASER: ("laser", 0, 1 if spindle["laser"] else 0, 0, 1),
         START: ("start_speed", 3, 0, 0, 999_999_999),
-        JERK: ("jerk", 3, 0, 0, 999_999_999),
     })  # fmt: skip
     return table

@@ -258,7 +258,6 @@ class Program(LineBatches):
         reach = self.reach()
         if self._reached is not reach:
             self._set_trace_range(reach)
-        jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
         limits = Limits(
             [settings.value(table.STEPS + axis) for axis in axes],
@@ -266,7 +265,7 @@ class Program(LineBatches):
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
             max(settings.value(table.START), self._steady_mm_min * 1000) * 50 // 3,
-            jerk * 1000,
+            settings.value(table.JERK) * 1000 if settings.places(table.JERK) is not None else 0,
         )
         limits = self._planner.limits(limits)
         shift = 0

@@ -39,7 +39,7 @@ class Limits:
         """`speeds` in nm/s and `accelerations` in nm/s², each axis; the deviation in nm. Four axes at most.
 
         `start_speed`, nm/s along the path: up to it the machine begins, turns a corner and stops without a ramp.
-        `jerk`, nm/s³ along the path: the most change of acceleration in a second; 0: any (see s_curve.py).
+        `jerk`, nm/s³ along the path: the most change of acceleration in a second; 0: any (options/planning_s_curves).
         """
         self.steps_per_m = list(steps_per_m)
         self.speeds = list(speeds)

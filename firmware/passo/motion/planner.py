@@ -82,7 +82,7 @@ class Planner:
         queued. Returns what the planner reckons with."""
         if limits is not None:
             ramp = self.ramp
-            if limits.jerk or ramp.s_curve:
+            if self._limit_jerk and (limits.jerk or ramp.s_curve):
                 self._limit_jerk(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._fields = limits.fields if limits else None
@@ -93,20 +93,19 @@ class Planner:
         self.scratch[SCRATCH_FEED] = self.scratch[SCRATCH_GIVEN] = self.scratch[SCRATCH_ASKED] = 0
         return limits
 
-    def load(self):
-        """Make ready for limits(), arcs and S-curves, before there is a feeder."""
+    def load(self, jerk_limit=None):
+        """Make ready for limits() and arcs, before there is a feeder. `jerk_limit`: an option's limit(ramp, limits, stride, size)."""
         from passo.motion.arc import Plans, plan
         from passo.motion.arc_speed import set_speed
         from passo.motion.block_viper import plan_block
         from passo.motion.circle import Circle
         from passo.motion.look_ahead_viper import corner, look_back, plan_lines
         from passo.motion.ramp import Ramp
-        from passo.motion.s_curve import limit
 
         self._plan_block, self._corner, self._plan_lines, self._look_back = plan_block, corner, plan_lines, look_back
         self.ramp = Ramp()
         self._circle = Circle(self.axes)
-        self._plan_arc, self._set_arc_speed, self._limit_jerk = plan, set_speed, limit
+        self._plan_arc, self._set_arc_speed, self._limit_jerk = plan, set_speed, jerk_limit
         self._arcs = Plans()
 
     def clear(self):

@@ -19,7 +19,7 @@ linear: it gains at most `gain` a step. Each segment's end takes the largest q t
 The peak may be above both ends, so that the last steps of a hold never take longer than from rest, however slow the
 machine was before them.
 
-ramp_viper.py has the kernels; if jerk is limited s_curve.py takes over from there. A step of path is a step of a line's
+ramp_viper.py has the kernels; if jerk is limited an option takes over from there. A step of path is a step of a line's
 dominant axis, and the same length along an arc. Costs a board 7 kB of machine code: only Planner.load() makes
 a ramp. All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
@@ -41,7 +41,7 @@ class Ramp(Steady):
         self.state = array("i", [0] * RAMP_FIELDS)
         self.take_up = begin
         self.accelerated = cut  # cuts accelerated lines, and arcs
-        self.s_curve = None  # takes up a block where jerk is limited: s_curve_block.load()
+        self.s_curve = None  # takes up a block where jerk is limited: an option's
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation

@@ -73,7 +73,7 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
         return
     change = int(q_change(gain, path >> 17, path & 0x1FFFF))
     state[RAMP_CHANGE] = change if change < 0x1FFFFFFF else 0x1FFFFFFF
-    if state[RAMP_S_CURVE] == 0:  # else s_curve.py goes on
+    if state[RAMP_S_CURVE] == 0:  # else an option goes on
         finish(rows, at, state, togo, percent)
 
 

@@ -15,6 +15,7 @@ from micropython import const
 
 from passo.motion.integers import divide
 from passo.motion.speed_viper import path_ticks, root_of
+from passo.options.planning_s_curves.records import *
 from passo.records import *
 
 _MOST_B = const(22_900)  # the square root of the fastest

@@ -9,7 +9,7 @@ from math import sqrt
 from check_hold import LEAD_TICKS, hold_at_random, override_at_random
 from draws import Random
 from passo.motion.limits import Limits
-from passo.motion.s_curve_block import cube_root, quotient, ratio, scale
+from passo.options.planning_s_curves.motion_block import cube_root, quotient, ratio, scale
 from passo.records import KIND_ARC, KIND_LINE
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of

@@ -30,8 +30,9 @@ import micropython
 
 from passo.motion.integers import divide, isqrt
 from passo.motion.ramp_viper import cut
-from passo.motion.s_curve_block import at_end, b_change, half_ramp, load, mean, need, ratio, step_from_rest
+from passo.options.planning_s_curves.motion_block import at_end, b_change, half_ramp, load, mean, need, ratio, step_from_rest
 from passo.motion.speed_viper import q_change, q_of, root_of, step_ticks
+from passo.options.planning_s_curves.records import *
 from passo.records import *
 
 

@@ -1,0 +1,1 @@
+"""Ramps with limited jerk: S-curves."""
