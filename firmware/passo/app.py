@@ -89,9 +89,7 @@ class App:
         self.layout, self._drive, off_levels = machine_builder.make_drive(board)
         languages = machine_builder.languages(board)
         names = machine_builder.feature_names(board, languages)
-        self.planner = machine_builder.planner(board, self.layout.axes)  # first: it takes the largest pieces of memory
-        if "program" in names:
-            self.planner.load(machine_builder.jerk_limit(board))
+        self.planner = machine_builder.planner(board, self.layout.axes, "program" in names)  # first: it takes the largest pieces of memory
         settings = Settings(board, Journal(slots or MemorySlots()), machine_builder.more_settings(languages), getattr(port, "writing", None))
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings

@@ -43,19 +43,21 @@ FEATURES = (
 
 def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
-    drive = getattr(board.get("additions"), "drive_module", None)  # an option's
-    if drive:
-        __import__(drive)
+    additions = board.get("additions")
     spoken = languages(board)
     names = feature_names(board, spoken)
     homing = board["homing"]
     for asked, modules in (
         (True, _OF_ALL),
         ("program" in names, _OF_PROGRAM),
-        (homing and "veto" not in getattr(board.get("additions"), "parts", ()), ("ports.limit_watch",)),
+        (homing and "veto" not in getattr(additions, "parts", ()), ("ports.limit_watch",)),
     ):
         for module in modules if asked else ():
             __import__("passo." + module)
+    for module in ("drive_module", "motion", "queue", "ramp", "burn"):  # options'
+        module = getattr(additions, module, None)
+        if module:
+            __import__(module)
     make_drive(board)
     load(names, board, spoken)
     if [link for link in board["links"] if link["frames"]]:
@@ -153,16 +155,14 @@ def load(names, board, languages):
         raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
 
 
-def planner(board, axes):
-    """Make the planner of a board's motors; it plans in steps of the axes."""
-    name = getattr(board.get("additions"), "motion", None)  # an option's module
-    return __import__(name, None, None, ("Planner",)).Planner(axes, board) if name else Planner(axes)
-
-
-def jerk_limit(board):
-    """Return limit() of an option for ramps that keep to a jerk, or None."""
-    name = getattr(board.get("additions"), "ramps", None)
-    return __import__(name, None, None, ("limit",)).limit if name else None
+def planner(board, axes, streamed):
+    """Make the planner of a board's motors; it plans in steps of the axes. `streamed`: lines of G-code, with acceleration, and arcs."""
+    additions = board.get("additions")
+    name, ramp = getattr(additions, "motion", None), getattr(additions, "ramp", None)  # modules of options
+    made = __import__(name, None, None, ("Planner",)).Planner(axes, board) if name else Planner(axes)
+    if streamed:
+        made.load(__import__(ramp, None, None, ("limit",)).limit if ramp else None)
+    return made
 
 
 def queue(board, streamed):

@@ -28,10 +28,10 @@ ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
-LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 124, "keys": 124, "plotter": 124}
-ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
+LANGUAGES_KB = {"grbl": 166, "pulses": 150, "torch": 124, "keys": 124, "plotter": 124}
+ADDITIONS_KB = {"motion": 3, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, KINEMATICS_KB = 6, 10, 2
+FRAMES_KB, JOB_KB = 6, 10
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
@@ -73,7 +73,6 @@ def heap_kb(board):
     taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board.get("network") or {}).get("broker"))
-    taken += KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     return taken + JOB_KB * bool(board.get("jobs")) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 

@@ -36,7 +36,7 @@ class Additions:
         self.languages = []  # names of modules whose extend(protocol, board) adds to a protocol of the language that ends their name
         self.extensions = {}  # the same modules, loaded, by language: see load_languages()
         self.motion = self.queue = None  # modules with its Planner and its Queue
-        self.ramps = None  # the module whose limit() has ramps keep to a jerk
+        self.ramp = None  # the module whose limit() has ramps keep to a jerk
         self.one_belt = False  # the first two axes have the same steps/mm
         self.ports = ()  # of links that are no cable
         self.lines = None  # the module that makes the lines of all links, where some are no cable: see machine_builder.lines_of()

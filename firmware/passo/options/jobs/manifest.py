@@ -4,7 +4,7 @@ from passo.config.board_error import BoardError, want_input
 from passo.options.jobs.commands import JOB
 from passo.options.jobs.config_names import LINK, LONGEST_NAME, name_fits
 
-HEAP_KB = 13  # of a Pico with stock MicroPython; host_tools/build/budget.py adds what an upload wants
+HEAP_KB = 12  # of a Pico with stock MicroPython; host_tools/build/budget.py adds what an upload wants
 RULES = {
     "jobs": {
         "language": ("grbl", "plotter", "pulses"),
