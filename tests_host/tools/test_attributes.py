@@ -89,10 +89,10 @@ def test_a_function_that_is_used_in_another_way_keeps_its_name(other):
 
 
 def test_kernels_and_names_of_main_stay():
-    text = "@micropython.viper\ndef walk(a: int) -> int: return a\n" + "".join(f"def {name}(): pass\n" for name in ("check_board", "App"))
+    text = "@micropython.viper\ndef walk(a: int) -> int: return a\n" + "".join(f"def {name}(): pass\n" for name in ("safe", "Start"))
     text += "def quick(): return 1\n"
     made = shorten_attributes({"passo/a.py": text})["passo/a.py"]
-    assert "def walk(" in made and "def App(" in made and "def quick" not in made
+    assert "def walk(" in made and "def safe(" in made and "def Start(" in made and "def quick" not in made
 
 
 PROGRAMS = sorted(path for room in ("prove", "experiments") for path in (ROOT / "host_tools" / room).glob("board_*.py"))  # which run on a board

@@ -34,7 +34,7 @@ def both(text, a=A):
         ("from passo import a\nx = a.FIVE ** a.BELOW\n", "pass\nx = 5 ** (-5)\n"),
         ("from passo import a as n\nx = (n.FIVE, n.WORDS)\n", "from passo import a as n\nx = (5, n.WORDS)\n"),
         ("from passo.a import (\n    FIVE,\n    WORDS,\n)\n", "from passo.a import WORDS\n\n\n\n"),
-        ("def load():\n    from passo import a\n", None),
+        ("def load():\n    from passo import a\n", "def _16():\n    from passo import a\n"),
         ("from passo.a import FIVE\nFIVE = 6\n", "from passo.a import FIVE\nFIVE = 6\n"),
         ("from passo.a import FIVE\ndef f(FIVE):\n    return FIVE\n", "from passo.a import FIVE\ndef _16(FIVE):\n    return FIVE\n"),
         ("from passo import a\ndef f(a):\n    return a.FIVE\n", "from passo import a\ndef _16(a):\n    return a.FIVE\n"),
