@@ -283,7 +283,7 @@ def test_a_threshold_of_zero_is_one():
 def test_a_board_is_built_with_the_folders_of_its_drivers():
     names = {path.as_posix() for path in tree.select_modules(router(stall=0))}
     assert "passo/options/spi_drivers/control_stall.py" in names and "passo/options/drivers/control_stall_homing.py" in names
-    assert {name.split("/")[2] for name in names if "/options/" in name and name.count("/") > 2} == {"drivers", "spi_drivers", "journal"}
+    assert {name.split("/")[2] for name in names if "/options/" in name and name.count("/") > 2} == {"drivers", "spi_drivers", "journal", "planning_s_curves"}
 
 
 def test_the_shipped_board_homes():
