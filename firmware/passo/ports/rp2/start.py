@@ -9,7 +9,7 @@ from micropython import const
 
 from passo.ports import start
 
-_COLLECT = const(100_000)  # bytes taken until garbage is collected: a router has 84 kB in one piece then instead of 44; with 80 000 it starts 20 ms later
+_COLLECT = const(90_000)  # bytes taken until garbage is collected: of a full router 88 kB are in one piece; with 100 000 85 are, 20 ms sooner
 _OF_CHECK = ("board", "passo.config.boardfile", "passo.config.chip_pins")
 
 
