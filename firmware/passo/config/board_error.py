@@ -188,6 +188,6 @@ def by_options(board):
         sections = {key: value for key, value in board.items() if isinstance(value, dict) and "port_pins" in value}
         if sections:
             return rewritten(board, own_rules(sections, {}))[0]
-    except Exception:  # its check will say what is wrong
+    except Exception:  # check() comes next, and says what is wrong
         pass
     return board

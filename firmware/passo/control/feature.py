@@ -37,7 +37,7 @@ class Feature:
     batches = _do_nothing  # batches(): {kind of batch: (open, accept, close)}: see Controller.batches()
 
     # Once a cycle of the main loop:
-    look = _do_nothing  # look(now_ms): look at what comes from outside, whatever the machine does: inputs, encoders
+    look = _do_nothing  # look(now_ms): look at what comes from outside, whatever the machine does: inputs, other sensors
     poll = _do_nothing  # poll(now_ms), only while the machine is awake: go on with the work; sets `machine.awake` if there will be more of it
     poll_hold = _do_nothing  # poll_hold(), behind poll(): the same, while a hold or what drops the rest is on its way or stands
     poll_end = _do_nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays

@@ -24,7 +24,7 @@ class Layout:
     """
 
     def __init__(self, kind, axes, drive_bits, pin_names, pulse_mask, motors=0):
-        """`motors`: those of STEP/DIR drivers, if there are more than axes: a gantry's second one is behind the others."""
+        """`motors`: those of STEP/DIR drivers, if there are more than axes: the second one of an axis stands behind the others."""
         self.kind = kind
         self.axes = axes
         self.motors = motors or axes

@@ -6,7 +6,7 @@ _GOOD = const(1)  # steps of range
 
 
 def homing_lines(found):
-    """Return a line a sensor: axis (2: a gantry's second side), runs, range and σ in steps, and advice."""
+    """Return a line a sensor: axis (2: the second side of an axis with two motors), runs, range and σ in steps, and advice."""
     lines = []
     for axis, side, runs, wide, sigma, drift in found:
         name = "xyza"[axis] + ("2" if side else "")

@@ -65,7 +65,7 @@ def open_file(path, mode="r"):
                 _held[index] = file = _open_file(path, mode)  # collects garbage
                 return file
             except MemoryError:
-                pass  # the piece of a memory card's file is smaller
+                pass  # this piece was held by a smaller file: try the next one
     raise MemoryError("no memory for a file")
 
 
